@@ -1,6 +1,6 @@
 // The solver of nearest_point.h, compiled in plain C++ by nearest_point.cpp and for its instruction
-// set by each server/physics/simd/kernels_*.cpp.  Every vector here is one of eight doubles, used
-// in the same order at every level.
+// set by each server/physics/simd/kernels_*.cpp.  Every vector here is one of a multiple of eight
+// doubles, used in the same order at every level.
 #pragma once
 
 #include "common/qp/nearest_point.h"
@@ -33,17 +33,32 @@ struct alignas(64) Lanes {
   double operator[](int i) const { return v[i]; }
 };
 
+/// A Wide<W> in memory.
+template <int W>
+struct alignas(64) WideLanes {
+  double v[8 * W];
+  Wide<W> Get() const {
+    Wide<W> a;
+    for (int i = 0; i < W; ++i) a.part[i] = Load(v + 8 * i);
+    return a;
+  }
+  void Set(const Wide<W>& a) {
+    for (int i = 0; i < W; ++i) Store(v + 8 * i, a.part[i]);
+  }
+  double& operator[](int i) { return v[i]; }
+  double operator[](int i) const { return v[i]; }
+};
+
 /// Goldfarb and Idnani's method on D = N unknowns, or N + 1 if a common slack relaxes the rows:
 /// every row then has one more entry, sqrt(c), and x[N] is eta / sqrt(c).
 ///
 /// The active rows, as columns A (D x k), are factored as A = Q S with Q orthonormal; only the
 /// inverse M (k x k) of S is stored.  S need not be triangular, as theirs is: the method only needs
-/// the multipliers of a direction, which are a product with M, and products are vectorised over
-/// eight lanes.
+/// the multipliers of a direction, which are a product with M, and products are vectorised.
 template <int N, bool kWithSlack, bool kLimited = false>
 class DualActiveSet {
  public:
-  DualActiveSet(const double* t, const QpRows& rows, const LimitedRows* limited = nullptr)
+  DualActiveSet(const double* t, const QpRowsOf<N>& rows, const LimitedRows* limited = nullptr)
       : rows_(rows), limited_(limited) {
     double largest = 0.0;
     for (int i = 0; i < N; ++i) {
@@ -62,7 +77,7 @@ class DualActiveSet {
   }
 
   /// Returns false if the rows contradict each other.
-  bool Solve(const int* guess, int guesses, QpResult& result) {
+  bool Solve(const int* guess, int guesses, QpResultOf<N>& result) {
     if (kLimited) iterations_ = result.iterations;
     if (guesses > 0) Guess(guess, guesses);
     bool feasible = true;
@@ -90,6 +105,9 @@ class DualActiveSet {
 
  private:
   static constexpr int D = N + (kWithSlack ? 1 : 0);
+  static constexpr int W = (N + 8) / 8;  // with room for the slack in either case
+  using Vector = Wide<W>;
+  using Stored = WideLanes<W>;
   static constexpr int kMostIterations = kLimited ? kLimitedIterations : kIterationLimit;
 
   double LimitOf(int i) const {
@@ -128,7 +146,7 @@ class DualActiveSet {
     }
   }
 
-  void LoadRow(int i, Lanes& a) const {
+  void LoadRow(int i, Stored& a) const {
     for (int c = 0; c < N; ++c) a[c] = rows_.a[c][i];
     if constexpr (kWithSlack) a[N] = SlackEntryOf(i);
   }
@@ -237,7 +255,9 @@ class DualActiveSet {
     Store(column + 8, Set1(0.0));
   }
 
-  static double SumOfSquares(const Lanes& a) {
+  static Vector Zero() { return SetAll<W>(0.0); }
+
+  static double SumOfSquares(const Stored& a) {
     double even = a[0] * a[0], odd = a[1] * a[1];
     for (int c = 2; c < D; c += 2) even += a[c] * a[c];
     for (int c = 3; c < D; c += 2) odd += a[c] * a[c];
@@ -246,21 +266,21 @@ class DualActiveSet {
 
   /// Returns the sum of weight[i] * vector[i] over i < n.  Even and odd i are added separately: two
   /// short chains of additions take half the time of one long chain.
-  static D8 Combine(const Lanes& weight, const Lanes* vector, int n) {
-    D8 even = Set1(0.0), odd = even;
+  static Vector Combine(const Stored& weight, const Stored* vector, int n) {
+    Vector even = Zero(), odd = even;
     int i = 0;
     for (; i + 1 < n; i += 2) {
-      even = Fma(Set1(weight[i]), vector[i].Get(), even);
-      odd = Fma(Set1(weight[i + 1]), vector[i + 1].Get(), odd);
+      even = Fma(weight[i], vector[i].Get(), even);
+      odd = Fma(weight[i + 1], vector[i + 1].Get(), odd);
     }
-    if (i < n) even = Fma(Set1(weight[i]), vector[i].Get(), even);
+    if (i < n) even = Fma(weight[i], vector[i].Get(), even);
     return even + odd;
   }
 
   /// z := z - Q Q^T z, d := d + Q^T z.
-  void ProjectOnce(Lanes& d, Lanes& z) const {
-    const D8 dot = Combine(z, Q_rows_, D);
-    Lanes part;
+  void ProjectOnce(Stored& d, Stored& z) const {
+    const Vector dot = Combine(z, Q_rows_, D);
+    Stored part;
     part.Set(dot);
     z.Set(z.Get() - Combine(part, Q_, active_));
     d.Set(d.Get() + dot);
@@ -269,7 +289,7 @@ class DualActiveSet {
   /// d = Q^T a and z = a - Q d.  Orthogonalises a second time if the first cancelled much ("twice
   /// is enough", Giraud & Langou 2005).  Returns |z|^2; 0 if a lies in the span of the active rows,
   /// or is a zero row.
-  double Project(const Lanes& a, Lanes& d, Lanes& z) const {
+  double Project(const Stored& a, Stored& d, Stored& z) const {
     z = a;
     const double aa = SumOfSquares(a);
     if (!(aa > kShortestRow * kShortestRow)) return 0.0;
@@ -284,15 +304,15 @@ class DualActiveSet {
   }
 
   /// Returns M y.
-  D8 Multipliers(const Lanes& y) const { return Combine(y, M_, active_); }
+  Vector Multipliers(const Stored& y) const { return Combine(y, M_, active_); }
 
   /// Adds a row: Q gains the column z / |z|, S the column (d, |z|), and so M the column (-M d, 1)
   /// / |z|.
-  void Append(int row, const Lanes& z, double zz, D8 r, double multiplier) {
+  void Append(int row, const Stored& z, double zz, const Vector& r, double multiplier) {
     const double inverse = 1.0 / __builtin_sqrt(zz);
-    Q_[active_].Set(Set1(inverse) * z.Get());
+    Q_[active_].Set(inverse * z.Get());
     for (int c = 0; c < D; ++c) Q_rows_[c][active_] = Q_[active_][c];
-    M_[active_].Set(Set1(-inverse) * r);
+    M_[active_].Set(-inverse * r);
     M_[active_][active_] = inverse;
     row_[active_] = row;
     u_[active_] = multiplier;
@@ -303,7 +323,7 @@ class DualActiveSet {
   /// the other rows; a reflection turns it into the last basis vector, which is then removed.
   void Drop(int l) {
     const int last = active_ - 1;
-    Lanes v;
+    Stored v{};
     double ww = 0.0;
     for (int j = 0; j <= last; ++j) {
       v[j] = M_[j][l];
@@ -314,13 +334,13 @@ class DualActiveSet {
     double vv = 0.0;
     for (int j = 0; j <= last; ++j) vv += v[j] * v[j];
     const double beta = 2.0 / vv;
-    D8 Mv = Set1(0.0), Qv = Mv;
+    Vector Mv = Zero(), Qv = Mv;
     for (int j = 0; j <= last; ++j) {
-      Mv = Fma(Set1(v[j]), M_[j].Get(), Mv);
-      Qv = Fma(Set1(v[j]), Q_[j].Get(), Qv);
+      Mv = Fma(v[j], M_[j].Get(), Mv);
+      Qv = Fma(v[j], Q_[j].Get(), Qv);
     }
     for (int j = 0; j < last; ++j) {
-      const D8 scale = Set1(beta * v[j]);
+      const double scale = beta * v[j];
       M_[j].Set(Fnma(scale, Mv, M_[j].Get()));
       Q_[j].Set(Fnma(scale, Qv, Q_[j].Get()));
       for (int i = l; i < last; ++i) M_[j][i] = M_[j][i + 1];
@@ -351,14 +371,14 @@ class DualActiveSet {
       slack = SlackOf(row);  // it may have come to its limit since it was found
       if (!(slack < -tolerance_)) return true;
     }
-    Lanes a{};
+    Stored a{};
     LoadRow(row, a);
     double multiplier = 0.0;
     for (;;) {
       ++iterations_;
-      Lanes d{}, z, r;
+      Stored d{}, z, r;
       const double zz = Project(a, d, z);
-      const D8 Md = Multipliers(d);
+      const Vector Md = Multipliers(d);
       r.Set(Md);
       // Least u_j / r_j, compared without dividing.
       int leaving = -1;
@@ -386,10 +406,10 @@ class DualActiveSet {
       if (!reachable && leaving < 0) return false;
       const double full_step = reachable ? -slack / zz : kInfinity;
       const double step = full_step < dual_step ? full_step : dual_step;
-      u_.Set(Fnma(Set1(step), Md, u_.Get()));
+      u_.Set(Fnma(step, Md, u_.Get()));
       multiplier += step;
       if (reachable) {
-        x_.Set(Fma(Set1(step), z.Get(), x_.Get()));
+        x_.Set(Fma(step, z.Get(), x_.Get()));
         slack += step * zz;
       }
       if (full_step <= dual_step) {
@@ -408,7 +428,7 @@ class DualActiveSet {
   /// Corrects x and u so that the active rows hold with equality:
   /// A^T x = b means Q^T dx = M^T (b - A^T x), and du = M Q^T dx.
   void Equalise() {
-    Lanes residual, y;
+    Stored residual, y;
     for (int j = 0; j < active_; ++j) residual[j] = -SlackOf(row_[j]);
     for (int j = 0; j < active_; ++j) {
       double dot = 0.0;
@@ -430,14 +450,14 @@ class DualActiveSet {
   /// start as the empty one.
   void Guess(const int* guess, int guesses) {
     for (int i = 0; i < guesses && active_ < D; ++i) {
-      Lanes a{}, d{}, z;
+      Stored a{}, d{}, z;
       LoadRow(guess[i], a);
       const double zz = Project(a, d, z);
       if (zz > 0.0) Append(guess[i], z, zz, Multipliers(d), 0.0);
     }
     while (active_ > 0) {
       x_ = t_;
-      u_ = Lanes();
+      u_ = Stored();
       Equalise();
       int worst = 0;
       for (int j = 1; j < active_; ++j) {
@@ -456,8 +476,8 @@ class DualActiveSet {
   /// Removes the rounding errors accumulated by the steps: recomputes the multipliers from the
   /// gradient, then corrects the remaining residuals of the active rows.
   void Polish() {
-    Lanes y;
-    Lanes moved;
+    Stored y;
+    Stored moved;
     moved.Set(x_.Get() - t_.Get());
     y.Set(Combine(moved, Q_rows_, D));
     u_.Set(Multipliers(y));
@@ -465,13 +485,13 @@ class DualActiveSet {
     Equalise();
   }
 
-  const QpRows& rows_;
+  const QpRowsOf<N>& rows_;
   const LimitedRows* limited_;  ///< the same rows, with limits; null if there are none
-  Lanes t_{}, x_, u_{};
-  Lanes Q_[7];         ///< Q_[j]: j-th basis vector
-  Lanes Q_rows_[7]{};  ///< the transpose: lane j of Q_rows_[c] is Q_[j][c]
-  Lanes M_[7];         ///< M_[j]: j-th column of S^-1
-  int row_[7];
+  Stored t_{}, x_, u_{};
+  Stored Q_[N + 1];         ///< Q_[j]: j-th basis vector
+  Stored Q_rows_[N + 1]{};  ///< the transpose: lane j of Q_rows_[c] is Q_[j][c]
+  Stored M_[N + 1];         ///< M_[j]: j-th column of S^-1
+  int row_[N + 1];
   int active_ = 0;
   int iterations_ = 0;
   /// Violated rows, one of each lane.
@@ -487,8 +507,8 @@ class DualActiveSet {
 };
 
 template <int N>
-QpResult Solve(const double* t, const QpRows& rows, const int* guess, int guesses) {
-  QpResult result;
+QpResultOf<N> Solve(const double* t, const QpRowsOf<N>& rows, const int* guess, int guesses) {
+  QpResultOf<N> result;
   if (rows.count == 0) {
     for (int i = 0; i < N; ++i) result.x[i] = t[i];
     return result;

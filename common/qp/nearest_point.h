@@ -5,14 +5,16 @@
 
 namespace palpate {
 
-/// Rows a_i . x >= b_i, stored by column; columns are 64-byte aligned.  `count` is the number
-/// of rows; storage is padded to the next multiple of 16 with rows that always hold (a = 0, b
-/// = -1e300).
-struct QpRows {
-  const double* a[6];
+/// Rows a_i . x >= b_i of N unknowns, stored by column; columns are 64-byte aligned.  `count` is
+/// the number of rows; storage is padded to the next multiple of 16 with rows that always hold
+/// (a = 0, b = -1e300).
+template <int N>
+struct QpRowsOf {
+  const double* a[N];
   const double* b;
   int count;
 };
+using QpRows = QpRowsOf<6>;
 
 enum class QpStatus {
   kSolved,
@@ -22,17 +24,19 @@ enum class QpStatus {
 
 inline constexpr int kMaxActiveRows = 7;  ///< six unknowns and the slack of a relaxed problem
 
-struct QpResult {
-  double x[6];
+template <int N>
+struct QpResultOf {
+  double x[N];
   double slack = 0.0;  ///< least common violation of the rows [unit of b]; 0 unless kRelaxed
   int active = 0;
-  int row[kMaxActiveRows];
-  double multiplier[kMaxActiveRows];  ///< >= 0
-  int iterations = 0;                 ///< number of rows added or dropped
+  int row[N + 1];
+  double multiplier[N + 1];  ///< >= 0
+  int iterations = 0;        ///< number of rows added or dropped
   QpStatus status = QpStatus::kSolved;
 
   std::span<const int> ActiveRows() const { return {row, static_cast<std::size_t>(active)}; }
 };
+using QpResult = QpResultOf<6>;
 
 /// Compliance of a jam, as a ratio to the coupling's 1/k_t: with 1000 N/m it stands for 10^8 N/m,
 /// about that of enamel on steel.
@@ -59,6 +63,11 @@ inline constexpr double kJamCompliance = 1e-5;
 /// Real-time: no allocation, lock, log or clock.  Deterministic: equal inputs, equal bits.
 QpResult SolveNearestPoint(const double* t, const QpRows& rows, const int* guess,
                            int guesses) noexcept;
+/// SolveNearestPoint for two blocks of six unknowns, or up to four.
+QpResultOf<12> SolveNearestPoint(const double* t, const QpRowsOf<12>& rows, const int* guess,
+                                 int guesses) noexcept;
+QpResultOf<24> SolveNearestPoint(const double* t, const QpRowsOf<24>& rows, const int* guess,
+                                 int guesses) noexcept;
 
 /// Rows that may be violated at a price: row i costs limit_i times what it lacks, so its multiplier
 /// is at most limit_i.  Columns as in QpRows; `limit` is padded alike, and infinite where a row is

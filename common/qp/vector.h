@@ -361,5 +361,48 @@ inline void LoadTransposed(const double* const record[8], D8 field[4]) {
 
 #endif
 
+/// W vectors as one of 8 W doubles.
+template <int W>
+struct Wide {
+  D8 part[W];
+};
+template <int W>
+inline Wide<W> SetAll(double a) {
+  Wide<W> r;
+  for (D8& part : r.part) part = Set1(a);
+  return r;
+}
+template <int W>
+inline Wide<W> operator+(const Wide<W>& a, const Wide<W>& b) {
+  Wide<W> r;
+  for (int i = 0; i < W; ++i) r.part[i] = a.part[i] + b.part[i];
+  return r;
+}
+template <int W>
+inline Wide<W> operator-(const Wide<W>& a, const Wide<W>& b) {
+  Wide<W> r;
+  for (int i = 0; i < W; ++i) r.part[i] = a.part[i] - b.part[i];
+  return r;
+}
+template <int W>
+inline Wide<W> operator*(double a, const Wide<W>& b) {
+  Wide<W> r;
+  for (int i = 0; i < W; ++i) r.part[i] = Set1(a) * b.part[i];
+  return r;
+}
+/// c + a b, and c - a b, rounded once.
+template <int W>
+inline Wide<W> Fma(double a, const Wide<W>& b, const Wide<W>& c) {
+  Wide<W> r;
+  for (int i = 0; i < W; ++i) r.part[i] = Fma(Set1(a), b.part[i], c.part[i]);
+  return r;
+}
+template <int W>
+inline Wide<W> Fnma(double a, const Wide<W>& b, const Wide<W>& c) {
+  Wide<W> r;
+  for (int i = 0; i < W; ++i) r.part[i] = Fnma(Set1(a), b.part[i], c.part[i]);
+  return r;
+}
+
 }  // namespace
 }  // namespace palpate

@@ -1,8 +1,11 @@
 #include "server/physics/haptic_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
 
 #include "common/math/default_rounding.h"
 #include "common/math/rotation.h"
@@ -106,80 +109,107 @@ bool GoesOn(const StepContext& context) {
 
 /// Finds the rows between leaves that the sub-step must respect, both rigid and soft ones; and the
 /// pairs of triangles that it could bring together, with the rows of those that touched last.
-/// @param queries  of the sub-step, at most
-void Predict(StepContext& context, First first, std::int64_t queries) {
-  StepBuffers& buffers = context.buffers();
-  Tools& tools = context.tools;
-  SubStep& sub_step = context.sub_step;
-  sub_step = {.bounds = sub_step.bounds,
-              .active = context.state().active,
-              .is_crowded = context.state().is_crowded};
-  if (context.HasFriction()) context.friction = context.state().friction;
-  context.Aim();
-  tools.R_WG = tools.q_G.toRotationMatrix();
-  if (buffers.energies) BeginCutting(context, std::numeric_limits<double>::infinity());
-  PredictLeaves(context);
-  if (buffers.meshes) {
-    StageClock clock(context.times);
-    buffers.meshes->queries = {.most = queries};
-    BeginFrames(context, first != First::kTouching);
-    for (MeshContact& contact : buffers.meshes->of) {
-      FrameRows rows(buffers.rows, contact.moved);
-      BeginSubStep(contact, context.kernels, context.FrameOf(contact).front,
-                   context.ToolIn(contact), context.state().active, first, rows);
+/// @param share  of the queries that a cycle may cost: those of the sub-step, at most; of 0, what
+///               is left
+void Predict(Party tools, First first, std::int64_t share = 0) {
+  for (StepContext* tool : tools) {
+    StepContext& context = *tool;
+    context.sub_step = {.bounds = context.sub_step.bounds,
+                        .active = context.state().active,
+                        .is_crowded = context.state().is_crowded};
+    if (context.HasFriction()) context.friction = context.state().friction;
+    context.Aim();
+    context.tools.R_WG = context.tools.q_G.toRotationMatrix();
+    context.advance.v.setZero();
+    context.advance.phi.setZero();
+    if (context.buffers().energies) {
+      BeginCutting(context, std::numeric_limits<double>::infinity());
+    }
+    PredictLeaves(context);
+  }
+  if (Lead(tools).buffers().meshes) {
+    StageClock clock(Lead(tools).times);
+    BeginFrames(tools, first != First::kTouching);
+    PlaceTools(tools);
+    for (StepContext* tool : tools) {
+      BodyContact& meshes = *tool->buffers().meshes;
+      const std::int64_t queries = tool->model.parameters().queries;
+      meshes.queries = {.most = share > 0 ? queries / share : queries - tool->cost.queries};
+      for (MeshContact& contact : meshes.of) {
+        FrameRows rows(tool->buffers().rows, contact.moved);
+        BeginSubStep(contact, tool->kernels, tool->FrameOf(contact).front, tool->ToolIn(contact),
+                     tool->state().active, first, rows);
+      }
     }
     clock.Lap(&StageTimes::prediction);
   }
-  context.report().diagnostics.predicted_pairs = buffers.rows.count();
+  for (StepContext* tool : tools) {
+    tool->report().diagnostics.predicted_pairs = tool->buffers().rows.count();
+  }
 }
 
-/// Returns the nearest pose to the hand's that the rows allow, with straight
-/// rows and without friction.
-Optimum SolveWithoutFriction(StepContext& context) {
-  StepBuffers& buffers = context.buffers();
-  ++context.sub_step.iterates;
-  buffers.rows.Finish();
-  context.sub_step.rigid = buffers.rows.view();
-  if (buffers.energies) buffers.energies->Collect(buffers.rows, context.sub_step.rigid);
-  const bool with_energies = buffers.energies && buffers.energies->acts();
-  Optimum optimum = NearestStep(context, context.sub_step.target, with_energies);
-  if (buffers.meshes && !with_energies &&
-      (optimum.qp.status == QpStatus::kRelaxed ||
-       !context.Approaches(optimum, optimum.v, optimum.phi)) &&
-      GiveUpRegain(context)) {
-    optimum = NearestStep(context, context.sub_step.target);
+/// Finds the nearest poses to the hands' that the rows allow, with straight rows and without
+/// friction: each tool's `advance` begins at its optimum.
+void SolveWithoutFriction(Party tools) {
+  bool with_energies = false, meshes = false, is_relaxed = false;
+  for (StepContext* tool : tools) {
+    StepBuffers& buffers = tool->buffers();
+    ++tool->sub_step.iterates;
+    buffers.rows.Finish();
+    tool->sub_step.rigid = buffers.rows.view();
+    tool->goal = tool->sub_step.target;
+    if (buffers.energies) buffers.energies->Collect(buffers.rows, tool->sub_step.rigid);
+    with_energies |= buffers.energies && buffers.energies->acts();
+    meshes |= buffers.meshes.has_value();
   }
-  context.report().diagnostics.qp_iterations += optimum.qp.iterations;
-  return optimum;
+  const auto solve = [&](bool energies) {
+    NearestSteps(tools, energies);
+    for (StepContext* tool : tools) {
+      tool->advance = {tool->nearest, tool->nearest.v, tool->nearest.phi};
+      is_relaxed = tool->nearest.qp.status == QpStatus::kRelaxed;
+    }
+  };
+  solve(with_energies);
+  if (meshes && !with_energies && (is_relaxed || !AdvancesApproach(tools)) && GiveUpRegain(tools)) {
+    solve(false);
+  }
+  for (StepContext* tool : tools) {
+    tool->report().diagnostics.qp_iterations += tool->advance.optimum.qp.iterations;
+  }
 }
 
-/// Applies friction to an optimum, if the model has friction and a row is active.
-void ApplyFriction(StepContext& context, Optimum& optimum) {
-  FrictionState& friction = context.friction;
-  if (!context.HasFriction()) return;
-  // A prediction where the tool goes adds rows and keeps the contacts, so the last forces are
-  // nearest.
-  if (context.sub_step.predictions > 0) {
-    friction.still = context.state().friction.still;
-  } else if (context.sub_step.iterates > 1) {
-    friction = context.state().friction;
+/// Applies friction to the optima, if the model has friction and a row is active.
+void ApplyFriction(Party tools) {
+  if (!Lead(tools).HasFriction()) return;
+  bool any = false, all = true;
+  for (StepContext* tool : tools) {
+    // A prediction where the tool goes adds rows and keeps the contacts, so the last forces are
+    // nearest.
+    if (tool->sub_step.predictions > 0) {
+      tool->friction.still = tool->state().friction.still;
+    } else if (tool->sub_step.iterates > 1) {
+      tool->friction = tool->state().friction;
+    }
+    const Optimum& optimum = tool->advance.optimum;
+    any |= optimum.qp.active > 0;
+    all &= !tool->friction.suspended && optimum.qp.status != QpStatus::kIterationLimit;
   }
-  if (optimum.qp.active == 0 || friction.suspended ||
-      optimum.qp.status == QpStatus::kIterationLimit) {
-    return;
-  }
-  AddCoulombFriction(context, optimum);
+  if (any && all) AddCoulombFriction(tools);
 }
 
-/// Returns the optimum, including the curvature of a ball's rows at creases, and friction if
-/// the model has it.
-Optimum Solve(StepContext& context) {
-  Optimum optimum = SolveWithoutFriction(context);
-  optimum.rounds = context.IsFreeBall() && RoundCreases(context, optimum);
-  ApplyFriction(context, optimum);
-  context.Require(optimum);
-  if (!context.IsUnsolved()) Remember(context, optimum);
-  return optimum;
+/// Finds the optima, including the curvature of a ball's rows at creases, and friction if the model
+/// has it.
+void Solve(Party tools) {
+  SolveWithoutFriction(tools);
+  for (StepContext* tool : tools) {
+    Optimum& optimum = tool->advance.optimum;
+    optimum.rounds = tools.size() == 1 && tool->IsFreeBall() && RoundCreases(*tool, optimum);
+  }
+  ApplyFriction(tools);
+  for (StepContext* tool : tools) {
+    tool->Require(tool->advance.optimum);
+    if (!tool->IsUnsolved()) Remember(*tool, tool->advance.optimum);
+  }
 }
 
 /// Counts how the friction of an optimum that counts was solved.
@@ -190,11 +220,12 @@ void CountFriction(const Optimum& optimum, StepDiagnostics& diagnostics) {
 
 /// Moves the tool and the frames, with what the state takes over; updates the fronts and the cut
 /// solids.
-void Move(StepContext& context, Advance& advance) {
+void Move(StepContext& context) {
+  Advance& advance = context.advance;
   StepBuffers& buffers = context.buffers();
   const bool meshes = buffers.meshes.has_value();
   const bool is_held = advance.optimum.IsHeld();
-  if (!MoveFrames(context, advance)) advance.arrived = false;
+  if (!MoveFrames(context)) advance.arrived = false;
   context.outcome.arrived = advance.arrived;
   context.state().active = context.sub_step.active;
   context.state().is_crowded = context.sub_step.is_crowded;
@@ -229,18 +260,18 @@ void Move(StepContext& context, Advance& advance) {
 }
 
 /// Reports the wrench of the spring at the optimum, and the contacts.
-void ReportHeld(StepContext& context, const Advance& advance) {
+void ReportHeld(StepContext& context) {
   StepReport& report = context.report();
-  const Optimum& optimum = advance.optimum;
+  const Optimum& optimum = context.advance.optimum;
   if (optimum.qp.status == QpStatus::kRelaxed) report.faults |= kFaultJammed;
   context.outcome.held = optimum.IsHeld();
   report.wrench = context.outcome.held ? context.WrenchAfter(optimum.v, optimum.phi) : Wrench{};
-  ReportContacts(context, advance);
+  ReportContacts(context);
 }
 
 /// Sets the bounds of the next sub-step, and those of the next cycle if this one does not arrive.
-/// @param fraction  of the last candidate that was free
-void SetNextBounds(StepContext& context, double fraction) {
+void SetNextBounds(StepContext& context) {
+  const double fraction = context.advance.fraction;  // of the last candidate that was free
   const StepParameters& parameters = context.model.parameters();
   const StepBounds bounds = context.sub_step.bounds;
   const auto& meshes = context.buffers().meshes;
@@ -271,46 +302,69 @@ void GiveUp(StepContext& context) {
   report.wrench = context.WrenchAfter(Vec3::Zero(), Vec3::Zero());
 }
 
-/// Reports what is felt between meshes if the tool has not arrived: what its contacts hold of
-/// the spring's pull where it is (solve/README.md, "The wrench of a tool that lags").
-void Lag(StepContext& context) {
-  Predict(context, First::kTouching, context.model.parameters().queries / limits::mesh::kReserve);
-  // Material beyond where the tool may go next does not hold it yet.
-  if (const auto& energies = context.buffers().energies) {
-    BeginCutting(context, std::min(context.sub_step.bounds.translation, energies->bur_step()));
-  }
-  BodyContact& meshes = *context.buffers().meshes;
-  for (MeshContact& contact : meshes.of) {
-    FrameRows rows(context.buffers().rows, contact.moved);
-    AddRowsOfHidden(contact, context.state().active, limits::mesh::kLagAhead, rows);
-  }
-  const double reach = meshes.a().mesh.reach();
-  double far = meshes.margins().touching;
-  Advance stays;
-  for (int i = 0; i < context.model.parameters().iterates; ++i) {
-    // The tool's place is free, even if its contacts ask for more separation than it has.  So the
-    // wrench is never more than the spring's own.
-    context.buffers().rows.AdmitZero();
-    stays.optimum = SolveWithoutFriction(context);
-    context.Require(stays.optimum);
-    if (context.IsUnsolved()) return GiveUp(context);
-    if (meshes.queries.AreSpent()) break;  // no candidate would find more
-    const double fraction = FractionWithin({far, far / reach}, stays.optimum.v, stays.optimum.phi);
-    if (!CheckCandidate(context, fraction * stays.optimum.v, fraction * stays.optimum.phi)) {
-      continue;
+void GiveUp(Party tools) {
+  for (StepContext* tool : tools) GiveUp(*tool);
+}
+
+bool AreUnsolved(Party tools) {
+  return std::ranges::any_of(tools, &StepContext::IsUnsolved);
+}
+
+/// Reports what is felt between meshes if the tools have not arrived: what their contacts hold of
+/// the springs' pulls where they are (solve/README.md, "The wrench of a tool that lags").
+void Lag(Party tools) {
+  Predict(tools, First::kTouching, limits::mesh::kReserve);
+  for (StepContext* tool : tools) {
+    // Material beyond where the tool may go next does not hold it yet.
+    if (const auto& energies = tool->buffers().energies) {
+      BeginCutting(*tool, std::min(tool->sub_step.bounds.translation, energies->bur_step()));
     }
+    for (MeshContact& contact : tool->buffers().meshes->of) {
+      FrameRows rows(tool->buffers().rows, contact.moved);
+      AddRowsOfHidden(contact, tool->state().active, limits::mesh::kLagAhead, rows);
+    }
+  }
+  const StepContext& lead = Lead(tools);
+  double far = lead.buffers().meshes->margins().touching;
+  for (int i = 0; i < lead.model.parameters().iterates; ++i) {
+    // The tools' places are free, even if their contacts ask for more separation than they have.
+    // So a wrench is never more than the spring's own.
+    for (StepContext* tool : tools) tool->buffers().rows.AdmitZero();
+    SolveWithoutFriction(tools);
+    double fraction = 1.0;
+    for (StepContext* tool : tools) {
+      tool->Require(tool->advance.optimum);
+      const double reach = tool->buffers().meshes->a().mesh.reach();
+      fraction = std::min(fraction,
+                          FractionWithin({far, far / reach}, tool->advance.v, tool->advance.phi));
+    }
+    if (AreUnsolved(tools)) return GiveUp(tools);
+    const auto is_spent = [](const StepContext* tool) {
+      return tool->buffers().meshes->queries.AreSpent();
+    };
+    if (std::ranges::any_of(tools, is_spent)) break;  // no candidate would find more
+    for (StepContext* tool : tools) {
+      tool->advance.v *= fraction;
+      tool->advance.phi *= fraction;
+    }
+    if (!CheckCandidate(tools)) continue;
     if (fraction == 1.0 || far == limits::mesh::kLagAhead) break;
     far = limits::mesh::kLagAhead;
   }
-  Remember(context, stays.optimum);
-  context.state().active = context.sub_step.active;
-  if (context.HasFriction()) {
-    ApplyFriction(context, stays.optimum);  // the state keeps what it had
-    context.Require(stays.optimum);
-    if (context.IsUnsolved()) return GiveUp(context);
-    CountFriction(stays.optimum, context.report().diagnostics);
+  for (StepContext* tool : tools) {
+    Remember(*tool, tool->advance.optimum);
+    tool->state().active = tool->sub_step.active;
+    tool->advance.v.setZero();
+    tool->advance.phi.setZero();
   }
-  ReportHeld(context, stays);
+  ApplyFriction(tools);  // the state keeps what it had
+  for (StepContext* tool : tools) {
+    tool->Require(tool->advance.optimum);
+    CountFriction(tool->advance.optimum, tool->report().diagnostics);
+  }
+  if (AreUnsolved(tools)) return GiveUp(tools);
+  for (StepContext* tool : tools) ReportHeld(*tool);
+  ReportTouches(tools);
 }
 
 /// Computes the drag of the spin on a pushing bur, for the next step, smoothed so that a bur in a
@@ -353,7 +407,7 @@ void AddEffects(StepContext& context) {
 }
 
 /// Stores what the next step starts from, and applies friction by the chapter's rule.
-void End(const Pose& X_WH, StepContext& context) {
+void End(StepContext& context) {
   const Features& features = context.model.parameters().features;
   StepState& state = context.state();
   StepReport& report = context.report();
@@ -362,7 +416,7 @@ void End(const Pose& X_WH, StepContext& context) {
   const bool lags = context.buffers().meshes && !context.outcome.arrived;
   if (!lags) state.behind = {0.0, 0.0};
   if (context.outcome.arrived && !context.outcome.held) {
-    state.X_WG = {X_WH.p, context.tools.q_H};
+    state.X_WG = {state.X_WH.p, context.tools.q_H};
   } else {
     state.X_WG = {context.tools.p_G - context.tools.q_G * context.model.reference(),
                   context.tools.q_G};
@@ -387,40 +441,72 @@ void End(const Pose& X_WH, StepContext& context) {
   }
 }
 
+/// The step of tools that have begun.
+void Step(Party tools) {
+  StepContext& lead = Lead(tools);
+  const bool meshes = lead.buffers().meshes.has_value();
+  for (; std::ranges::all_of(tools, [](const StepContext* tool) { return GoesOn(*tool); });) {
+    // In a cycle's later sub-steps the tool is at a new place, which other contacts may hold.
+    Predict(tools, lead.HasFriction()                       ? First::kAllCorners
+                   : lead.report().diagnostics.substeps > 0 ? First::kContacts
+                                                            : First::kActive);
+    StageClock clock(lead.times);
+    for (bool is_clear = false; !is_clear && !AreUnsolved(tools);) {
+      Solve(tools);
+      clock.Lap(&StageTimes::solve);
+      if (AreUnsolved(tools)) break;
+      is_clear = MakeAdvance(tools);
+      clock.Lap(&StageTimes::rows);
+      if (!is_clear || AreUnsolved(tools)) continue;
+      for (StepContext* tool : tools) {
+        Move(*tool);
+        if (!meshes || tool->advance.arrived) ReportHeld(*tool);
+        SetNextBounds(*tool);
+      }
+      if (Lead(tools).outcome.arrived) ReportTouches(tools);
+    }
+    if (AreUnsolved(tools)) GiveUp(tools);
+    for (StepContext* tool : tools) ++tool->report().diagnostics.substeps;
+    clock.Lap(&StageTimes::response);
+  }
+  if (meshes && !lead.outcome.arrived && !AreUnsolved(tools)) Lag(tools);
+  for (StepContext* tool : tools) End(*tool);
+}
+
 /// HapticStep, under default rounding.
-[[gnu::noinline]] StepReport Step(const HapticModel& model, const Pose& X_WH, StepState& state,
-                                  StepWorkspace& workspace, StageTimes* times) noexcept {
+[[gnu::noinline]] StepReport StepAlone(const HapticModel& model, const Pose& X_WH, StepState& state,
+                                       StepWorkspace& workspace, StageTimes* times) noexcept {
   StepReport report;
   report.parameters = &model.parameters();
   StepContext context(model, state, workspace.buffers(), report);
   context.times = times;
-  if (!Begin(X_WH, context)) return report;
-  const bool meshes = context.buffers().meshes.has_value();
-  for (; GoesOn(context); ++report.diagnostics.substeps) {
-    // In a cycle's later sub-steps the tool is at a new place, which other contacts may hold.
-    Predict(context,
-            context.HasFriction()             ? First::kAllCorners
-            : report.diagnostics.substeps > 0 ? First::kContacts
-                                              : First::kActive,
-            model.parameters().queries - context.cost.queries);
-    StageClock clock(times);
-    for (bool is_clear = false; !is_clear && !context.IsUnsolved();) {
-      Advance advance{Solve(context)};
-      clock.Lap(&StageTimes::solve);
-      if (context.IsUnsolved()) break;
-      is_clear = MakeAdvance(context, advance);
-      clock.Lap(&StageTimes::rows);
-      if (!is_clear || context.IsUnsolved()) continue;
-      Move(context, advance);
-      if (!meshes || advance.arrived) ReportHeld(context, advance);
-      SetNextBounds(context, advance.fraction);
-    }
-    if (context.IsUnsolved()) GiveUp(context);
-    clock.Lap(&StageTimes::response);
-  }
-  if (meshes && !context.outcome.arrived && !context.IsUnsolved()) Lag(context);
-  End(X_WH, context);
+  StepContext* const alone[] = {&context};
+  if (Begin(X_WH, context)) Step(alone);
   return report;
+}
+
+/// StepTogether, under default rounding.
+[[gnu::noinline]] void StepAll(std::span<ToolStep> steps, Together& together) noexcept {
+  std::array<std::optional<StepContext>, kMostTools> contexts;
+  std::array<StepContext*, kMostTools> tools;
+  std::array<bool, kMostTools> is_usable;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    ToolStep& step = steps[i];
+    std::construct_at(&step.report);
+    step.report.parameters = &step.model->parameters();
+    contexts[i].emplace(*step.model, *step.state, step.workspace->buffers(), step.report);
+    tools[i] = &*contexts[i];
+    tools[i]->together = &together;
+    tools[i]->weight = step.model->parameters().stiffness / steps[0].model->parameters().stiffness;
+    is_usable[i] = Begin(step.X_WH, *tools[i]);
+    if (!is_usable[i]) Begin(step.state->X_WH, *tools[i]);
+  }
+  Step(Party(tools.data(), steps.size()));
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (is_usable[i]) continue;
+    ForgetForces(steps[i].report);
+    steps[i].report.faults |= kFaultBadPose;
+  }
 }
 
 }  // namespace
@@ -428,7 +514,19 @@ void End(const Pose& X_WH, StepContext& context) {
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
                       StepWorkspace& workspace, StageTimes* times) noexcept {
   const DefaultRounding rounding;
-  return Step(model, X_WH, state, workspace, times);
+  return StepAlone(model, X_WH, state, workspace, times);
+}
+
+TogetherWorkspace::TogetherWorkspace(std::span<const HapticModel* const> models) {
+  int rows = 0;
+  for (const HapticModel* model : models) rows += model->parameters().max_rows;
+  buffers_ = std::make_unique<Together>(rows);
+}
+TogetherWorkspace::~TogetherWorkspace() = default;
+
+void StepTogether(std::span<ToolStep> tools, TogetherWorkspace& workspace) noexcept {
+  const DefaultRounding rounding;
+  StepAll(tools, workspace.buffers());
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "common/math/pose.h"
 #include "server/physics/haptic_model.h"
@@ -10,6 +11,7 @@
 namespace palpate {
 
 struct StepBuffers;  // solve/step_context.h
+struct Together;     // solve/step_context.h
 
 /// Returns whether the tool cuts in the step to X_WH; each step calls this first.  An edge starts
 /// and stops cutting only after the hand has drawn it some distance (limits::cutting::kDraw), which
@@ -40,5 +42,36 @@ class StepWorkspace {
 /// Deterministic: equal inputs give equal bits, whatever the build type, SIMD level or thread.
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
                       StepWorkspace& workspace, StageTimes* times = nullptr) noexcept;
+
+/// One tool of several that are stepped together.
+struct ToolStep {
+  const HapticModel* model;
+  Pose X_WH;  ///< as of HapticStep
+  StepState* state;
+  StepWorkspace* workspace;
+  StepReport report{};  ///< out
+};
+
+/// The buffers that a step of several tools needs beside their own.  Set-up.
+class TogetherWorkspace {
+ public:
+  explicit TogetherWorkspace(std::span<const HapticModel* const> models);
+  ~TogetherWorkspace();
+  Together& buffers() { return *buffers_; }
+
+ private:
+  std::unique_ptr<Together> buffers_;
+};
+
+/// HapticStep for two to kMostTools tools that can touch each other: one problem, whose solution is
+/// the poses nearest to all hands', each by its spring's energy, in which no tool enters another or
+/// an object.  So what two tools feel of each other is equal and opposite.
+///
+/// For each pair of tools, one model, and only one, has the other tool as an object (PlacedTree:
+/// `tool` is its index here, and `frame` is a frame of its own).  All must be rigid meshes (balls
+/// may be the first of a pair only), without friction, soft leaves, and burs.
+/// A tool whose pose is not usable stays at its last hand's, and feels nothing (kFaultBadPose).
+/// Real-time and deterministic, as HapticStep.
+void StepTogether(std::span<ToolStep> tools, TogetherWorkspace& workspace) noexcept;
 
 }  // namespace palpate

@@ -15,6 +15,9 @@
 
 namespace palpate {
 
+/// Most tools that are stepped together (StepTogether).
+inline constexpr std::size_t kMostTools = 4;
+
 /// A body placed in the world.  The call that takes it does not keep its pointers.
 struct PlacedTree {
   const SphereTree* tree = nullptr;
@@ -26,6 +29,9 @@ struct PlacedTree {
   bool for_balls = false;  ///< a spherical tool will touch it: keeps its smooth normals
   /// Number of its frame (ContactBody): 0 for what burs cut.  For an object touched by its mesh.
   std::int32_t frame = 0;
+  /// Number of the tool that it is, in its own frame, with X_WB = I: of a step of several
+  /// (StepTogether).  Negative: it is none.
+  std::int32_t tool = -1;
 };
 
 /// Constants of the step that a scene or a benchmark may set; StepTuning holds those
@@ -55,6 +61,9 @@ struct StepBounds {
 /// clear those of a report in each step takes a twentieth of it between leaves.
 struct ActiveRow {
   ContactId id;
+  /// Number of the other tool that it touches (StepTogether); negative: an object.  If the row is in
+  /// that tool's model, `id` and `object_leaf` are, too.
+  std::int32_t tool;
   std::int32_t object_leaf;  ///< index in the forest of the leaf that it touches
   const Material* material;  ///< of the touched object; valid as long as the model
   Vec3 normal;               ///< n, from object to tool, in W

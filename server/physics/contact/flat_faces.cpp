@@ -148,7 +148,9 @@ void AddRowsOfHidden(MeshContact& contact, std::span<const ContactId> active, do
   const MeshPair& meshes = contact.meshes;
   if (meshes.IsBall()) return;
   for (const ContactId& id : active) {
-    if (id.IsOfLeaves() || static_cast<std::size_t>(id.body) >= meshes.b.size()) continue;
+    const auto body = static_cast<std::size_t>(id.body);
+    if (id.IsOfLeaves() || body >= meshes.b.size() || meshes.b[body].frame != meshes.frame)
+      continue;
     const auto is_same = [&](const Touch& touch) { return IdOf(touch.nodes).IsBeside(id); };
     auto touch = std::ranges::find_if(contact.touches, is_same);
     if (touch == contact.touches.end()) {

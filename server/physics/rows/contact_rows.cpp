@@ -7,12 +7,13 @@
 
 namespace palpate {
 
-ContactRows::ContactRows(int max_rows, double rho, bool turns)
+ContactRows::ContactRows(int max_rows, double rho, bool turns, bool with_others)
     : max_rows_(max_rows),
       turns_(turns),
       rho_(rho),
       storage_(10, static_cast<std::size_t>(max_rows + 16)),
-      ids_(static_cast<std::size_t>(max_rows + 16)) {
+      ids_(static_cast<std::size_t>(max_rows + 16)),
+      others_(with_others ? static_cast<std::size_t>(max_rows) : 0) {
   for (std::size_t c = 0; c < 6; ++c) columns_.a[c] = storage_[c];
   columns_.b = storage_[6];
   for (std::size_t c = 0; c < 3; ++c) columns_.lever[c] = storage_[7 + c];
@@ -75,6 +76,10 @@ Vec3 ContactRows::lever_cross_normal(int row) const {
 
 double ContactRows::AngleTo(int row, const Vec3& n, const Vec3& by_rotation) const {
   return Length((n - normal(row)).norm(), (by_rotation - lever_cross_normal(row)).norm() / rho_);
+}
+
+double ContactRows::AngleTo(int row, const Other& to) const {
+  return Length((to.v - other(row).v).norm(), (to.phi - other(row).phi).norm() / rho_);
 }
 
 int ContactRows::Find(std::span<const ContactId> ids, int* row) const noexcept {

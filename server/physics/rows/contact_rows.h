@@ -22,7 +22,14 @@ class ContactRows {
  public:
   /// Allocates storage for max_rows rows.
   /// @param turns  false for a ball, which no row turns
-  ContactRows(int max_rows, double rho, bool turns = true);
+  /// @param with_others  whether rows may name a second body whose motion is unknown, too
+  ContactRows(int max_rows, double rho, bool turns = true, bool with_others = false);
+
+  /// What the motion [v; phi] of another tool adds to a row: v . x_v + phi . x_phi.
+  struct Other {
+    int tool = -1;  ///< its number; negative: the row names no other tool
+    Vec3 v, phi;    ///< [1], [m]
+  };
 
   void Clear() noexcept { count_ = 0; }
   /// Adds the rows of leaf pairs; if they do not all fit, adds none and returns false.
@@ -38,6 +45,10 @@ class ContactRows {
   void SetRow(int row, const Vec3& normal, const Vec3& lever, const Vec3& by_rotation,
               double gap) noexcept;
   void SetGap(int row, double gap) noexcept { columns_.b[row] = -gap; }
+  /// Call after AddRow or SetRow; only if rows may name other tools.
+  void SetOther(int row, const Other& other) noexcept { others_[Index(row)] = other; }
+  bool with_others() const { return !others_.empty(); }
+  const Other& other(int row) const { return others_[Index(row)]; }
   /// Makes a row hold for every step.
   void Loosen(int row) noexcept { columns_.b[row] = kLoose; }
   bool IsLoose(int row) const { return columns_.b[row] == kLoose; }
@@ -66,6 +77,8 @@ class ContactRows {
   /// Returns how far the row's direction in configuration space, [n; l x n / rho], is from another
   /// one with these parts [rad, if small].
   double AngleTo(int row, const Vec3& n, const Vec3& by_rotation) const;
+  /// The same of the part that the other tool moves, by the first tool's rho.
+  double AngleTo(int row, const Other& other) const;
   /// Lever arm of the contact point [m], in W; valid for rows from AddRow.
   Vec3 lever(int row) const {
     return {columns_.lever[0][row], columns_.lever[1][row], columns_.lever[2][row]};
@@ -78,12 +91,15 @@ class ContactRows {
   int Find(std::span<const ContactId> ids, int* row) const noexcept;
 
  private:
+  static std::size_t Index(int row) { return static_cast<std::size_t>(row); }
+
   static constexpr double kLoose = -1e300;
   int max_rows_;
   bool turns_;
   double rho_;
   AlignedColumns storage_;
   std::vector<ContactId> ids_;
+  std::vector<Other> others_;
   RowColumns columns_{};
   int count_ = 0;
 };

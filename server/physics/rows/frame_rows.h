@@ -1,19 +1,36 @@
 #pragma once
 
+#include <algorithm>
+
 #include "common/math/rotation.h"
 #include "server/physics/rows/contact_rows.h"
 
 namespace palpate {
 
+/// A tool that is a frame B, and its candidate step [v; phi].
+struct FrameTool {
+  int number = -1;  ///< of the tool; negative: B is none, and its motion is known
+  Vec3 v = Vec3::Zero(), phi = Vec3::Zero();
+  Vec3 c = Vec3::Zero();  ///< from its reference point to the other's at the candidate's end, in W
+};
+
 /// How a frame B moves in W in a sub-step, and with it the relative motion of a tool that makes the
 /// step [v; phi] in W.  The translation is exact for every step; the rotation is, to first order.
+///
+/// B may be another tool, which makes a candidate step [v_b; phi_b] that the solver is to change.
+/// Then the relative motion is that for this step, and its derivatives are those there: with c the
+/// vector from B's reference point to the tool's at the candidate's end,
+///   R_to d v_B = d v - d v_b - d phi_b x c,     R_from d phi_B = d phi - d phi_b.
 class FrameMotion {
  public:
   FrameMotion() = default;  ///< B is W
   /// @param from, to  X_WB before and after the sub-step.   @param p_W  tool's reference point
   /// @param turns     false for a ball, whose rotation counts nowhere
-  FrameMotion(const Pose& from, const Pose& to, const Vec3& p_W, bool turns)
+  /// @param tool      the tool that B is, if it is one
+  FrameMotion(const Pose& from, const Pose& to, const Vec3& p_W, bool turns,
+              const FrameTool& tool = {})
       : is_W_(false),
+        tool_(tool),
         from_(from.q.toRotationMatrix()),
         to_(to.q.toRotationMatrix()),
         turned_(turns ? Quat(to.q.conjugate() * from.q) : Quat::Identity()),
@@ -22,6 +39,15 @@ class FrameMotion {
         spin_(RotationLog(to.q * from.q.conjugate())) {}
 
   bool is_W() const { return is_W_; }
+  /// Returns what B's motion adds to a row of the tool, n . v + m . phi, in W.
+  ContactRows::Other OtherOf(const Vec3& n, const Vec3& m) const {
+    return {tool_.number, -n, -m - tool_.c.cross(n)};
+  }
+  /// Returns what that is at B's candidate step [m].
+  double AtCandidate(const ContactRows::Other& other) const {
+    return other.v.dot(tool_.v) + other.phi.dot(tool_.phi);
+  }
+  bool is_tool() const { return tool_.number >= 0; }
   /// Returns whether B moves.
   bool moves() const { return !v_.isZero(0.0) || !phi_.isZero(0.0); }
   /// The tool's motion in B [m], [rad].
@@ -44,6 +70,7 @@ class FrameMotion {
 
  private:
   bool is_W_ = true;
+  FrameTool tool_;
   Mat3 from_ = Mat3::Identity(), to_ = Mat3::Identity();
   Quat turned_ = Quat::Identity();
   Vec3 v_ = Vec3::Zero(), phi_ = Vec3::Zero();
@@ -54,7 +81,8 @@ class FrameMotion {
 /// motion in B; what is stored is in W, and of the tool's step.  With v_B = R^T v + v_0 and phi_B =
 /// R^T phi + phi_0 (FrameMotion),
 ///   n_B . v_B + m_B . phi_B >= -g_B   becomes   (R n_B) . v + (R m_B) . phi >= -(g_B + n_B . v_0 +
-///   m_B . phi_0).
+///   m_B . phi_0),
+/// and if B is a tool, the row names it, too.
 class FrameRows {
  public:
   explicit FrameRows(ContactRows& rows) : rows_(rows) {}
@@ -74,17 +102,26 @@ class FrameRows {
     return gap(row) + normal(row).dot(v) + by_rotation(row).dot(phi);
   }
   double AngleTo(int row, const Vec3& n, const Vec3& by_rotation) const {
-    return rows_.AngleTo(row, Out(motion_->R_v(), n), Out(motion_->R_phi(), by_rotation));
+    const Vec3 n_W = Out(motion_->R_v(), n), by_rotation_W = Out(motion_->R_phi(), by_rotation);
+    const double angle = rows_.AngleTo(row, n_W, by_rotation_W);
+    if (!motion_->is_tool()) return angle;
+    return std::max(angle, rows_.AngleTo(row, motion_->OtherOf(n_W, by_rotation_W)));
   }
   void AddRow(const Vec3& n, const Vec3& lever, double gap, const ContactId& id) noexcept {
     const int row = rows_.count();
     rows_.AddRow(n, lever, gap, id);
+    if (rows_.with_others()) rows_.SetOther(row, {});
     if (!motion_->is_W()) SetRow(row, n, lever, lever.cross(n), gap);
   }
   void SetRow(int row, const Vec3& n, const Vec3& lever, const Vec3& by_rotation,
               double gap) noexcept {
-    rows_.SetRow(row, Out(motion_->R_v(), n), Out(motion_->R_phi(), lever),
-                 Out(motion_->R_phi(), by_rotation), gap + Own(n, by_rotation));
+    const Vec3 n_W = Out(motion_->R_v(), n), by_rotation_W = Out(motion_->R_phi(), by_rotation);
+    double own = Own(n, by_rotation);
+    if (motion_->is_tool()) {
+      rows_.SetOther(row, motion_->OtherOf(n_W, by_rotation_W));
+      own -= motion_->AtCandidate(rows_.other(row));
+    }
+    rows_.SetRow(row, n_W, Out(motion_->R_phi(), lever), by_rotation_W, gap + own);
   }
 
  private:
@@ -95,7 +132,11 @@ class FrameRows {
     if (motion_->is_W()) return 0.0;
     return n.dot(motion_->own_v()) + by_rotation.dot(motion_->own_phi());
   }
-  double Own(int row) const { return motion_->is_W() ? 0.0 : Own(normal(row), by_rotation(row)); }
+  double Own(int row) const {
+    if (motion_->is_W()) return 0.0;
+    const double own = Own(normal(row), by_rotation(row));
+    return motion_->is_tool() ? own - motion_->AtCandidate(rows_.other(row)) : own;
+  }
 
   static inline const FrameMotion kStill{};
   ContactRows& rows_;

@@ -219,6 +219,10 @@ struct Kernels {
 
   /// SolveNearestPoint (common/qp).
   QpResult (*solve)(const double* t, const QpRows& rows, const int* guess, int guesses);
+  QpResultOf<12> (*solve_two)(const double* t, const QpRowsOf<12>& rows, const int* guess,
+                              int guesses);
+  QpResultOf<24> (*solve_four)(const double* t, const QpRowsOf<24>& rows, const int* guess,
+                               int guesses);
   /// SolveLimited (common/qp).
   QpResult (*solve_limited)(const double* t, const LimitedRows& rows, const int* guess,
                             int guesses);

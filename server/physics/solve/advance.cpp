@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/physics/contact/sub_step.h"
@@ -8,66 +9,133 @@
 namespace palpate {
 namespace {
 
-/// Returns the fraction of the motion to an optimum that the bounds and a bur allow.
-double FractionWithin(const StepContext& context, const Optimum& optimum) {
-  const double fraction = FractionWithin(context.sub_step.bounds, optimum.v, optimum.phi);
-  const auto& energies = context.buffers().energies;
-  if (!energies || !context.state().cut.acts) return fraction;
-  const Tools& tools = context.tools;
-  return std::min(fraction, energies->FractionWithin(tools.p_G, tools.q_G, optimum.v, optimum.phi));
+/// Calls f(tool, contact, rows) for each frame of each tool; returns whether all, or how many in
+/// sum, it returns.
+template <class F>
+bool All(Party tools, F f) {
+  bool all = true;
+  for (StepContext* tool : tools) {
+    for (MeshContact& contact : tool->buffers().meshes->of) {
+      FrameRows rows(tool->buffers().rows, contact.moved);
+      all = f(*tool, contact, rows) && all;
+    }
+  }
+  return all;
+}
+template <class F>
+int Sum(Party tools, F f) {
+  int sum = 0;
+  All(tools, [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    sum += f(tool, contact, rows);
+    return true;
+  });
+  return sum;
+}
+
+bool AreUnsolved(Party tools) {
+  return std::ranges::any_of(tools, &StepContext::IsUnsolved);
+}
+bool QueriesAreSpent(Party tools) {
+  return std::ranges::any_of(
+      tools, [](const StepContext* tool) { return tool->buffers().meshes->queries.AreSpent(); });
+}
+
+/// Returns the fraction of the motions to the optima that the bounds and a bur allow.
+template <class OptimumOf>
+double FractionWithin(Party tools, OptimumOf optimum_of) {
+  double least = 1.0;
+  for (StepContext* tool : tools) {
+    const Optimum& end = optimum_of(*tool);
+    least = std::min(least, FractionWithin(tool->sub_step.bounds, end.v, end.phi));
+    const auto& energies = tool->buffers().energies;
+    if (!energies || !tool->state().cut.acts) continue;
+    least =
+        std::min(least, energies->FractionWithin(tool->tools.p_G, tool->tools.q_G, end.v, end.phi));
+  }
+  return least;
+}
+
+const Optimum& NearestOf(const StepContext& tool) {
+  return tool.nearest;
+}
+const Optimum& OptimumOf(const StepContext& tool) {
+  return tool.advance.optimum;
 }
 
 /// Advances by a fraction of the motion to the optimum.
-void GoFraction(Advance& advance, double fraction) {
-  advance.v = fraction * advance.optimum.v;
-  advance.phi = fraction * advance.optimum.phi;
-  advance.arrived = fraction == 1.0;
+void GoFraction(Party tools, double fraction) {
+  for (StepContext* tool : tools) {
+    Advance& advance = tool->advance;
+    advance.v = fraction * advance.optimum.v;
+    advance.phi = fraction * advance.optimum.phi;
+    advance.arrived = fraction == 1.0;
+  }
 }
 
-/// Returns the advance to the optimum under rows that have changed, as far as the bounds allow.  If
-/// the QP does not end, the tool stays and has not arrived.
-Advance AdvanceToNewOptimum(StepContext& context) {
-  Advance advance{NearestStep(context, context.sub_step.target)};
-  context.report().diagnostics.qp_iterations += advance.optimum.qp.iterations;
-  Remember(context, advance.optimum);
-  context.Require(advance.optimum);
-  GoFraction(advance, context.IsUnsolved() ? 0.0 : FractionWithin(context, advance.optimum));
-  return advance;
+/// Takes over the nearest steps under rows that have changed, and advances there as far as the
+/// bounds allow.  If the QP does not end, the tools stay and have not arrived.
+void AdvanceToNewOptima(Party tools) {
+  for (StepContext* tool : tools) tool->goal = tool->sub_step.target;
+  NearestSteps(tools);
+  for (StepContext* tool : tools) {
+    tool->advance = Advance{tool->nearest};
+    tool->report().diagnostics.qp_iterations += tool->nearest.qp.iterations;
+    Remember(*tool, tool->nearest);
+    tool->Require(tool->nearest);
+  }
+  GoFraction(tools, AreUnsolved(tools) ? 0.0 : FractionWithin(tools, NearestOf));
 }
 
 /// Advances to the optimum as far as the bounds allow.  If they end before it, takes the step under
 /// the same rows to a nearer target: a scaled-down step would lift the tool by less than rows ask
 /// for, and so would each candidate after it.
-void GoWithinBounds(StepContext& context, Advance& advance) {
-  double fraction = FractionWithin(context, advance.optimum);
-  GoFraction(advance, fraction);
-  for (int tries = 1; !advance.arrived; ++tries) {
+void GoWithinBounds(Party tools) {
+  double fraction = FractionWithin(tools, OptimumOf);
+  GoFraction(tools, fraction);
+  for (int tries = 1; !Lead(tools).advance.arrived; ++tries) {
     fraction *= limits::kBoundShare;
     // Soft rows balance the spring at the optimum alone, so they do not count here.
-    const Optimum partial =
-        NearestStep(context, {fraction * advance.optimum.v, fraction * advance.optimum.phi});
-    context.report().diagnostics.qp_iterations += partial.qp.iterations;
-    context.Require(partial);
-    const double clip = context.IsUnsolved() ? 0.0 : FractionWithin(context, partial);
+    for (StepContext* tool : tools) {
+      const Optimum& optimum = tool->advance.optimum;
+      tool->goal = {fraction * optimum.v, fraction * optimum.phi};
+    }
+    NearestSteps(tools);
+    for (StepContext* tool : tools) {
+      tool->report().diagnostics.qp_iterations += tool->nearest.qp.iterations;
+      tool->Require(tool->nearest);
+    }
+    const double clip = AreUnsolved(tools) ? 0.0 : FractionWithin(tools, NearestOf);
     if (clip == 1.0 || clip == 0.0 || tries == limits::kNearerTargets) {
-      advance.v = clip * partial.v;
-      advance.phi = clip * partial.phi;
+      for (StepContext* tool : tools) {
+        tool->advance.v = clip * tool->nearest.v;
+        tool->advance.phi = clip * tool->nearest.phi;
+      }
       return;
     }
     fraction *= clip;
   }
 }
 
-/// Returns how far a point of the tool's mesh moves at most.
-double LengthOf(const StepContext& context, const Advance& advance) {
-  return advance.v.norm() + context.buffers().meshes->a().mesh.reach() * advance.phi.norm();
+/// Returns how far a point of a tool's mesh moves at most.
+double LengthOf(Party tools) {
+  double most = 0.0;
+  for (const StepContext* tool : tools) {
+    const Advance& advance = tool->advance;
+    most = std::max(
+        most, advance.v.norm() + tool->buffers().meshes->a().mesh.reach() * advance.phi.norm());
+  }
+  return most;
 }
 
 /// Returns whether the meshes are apart at the motion's end and were apart throughout.
-bool IsFree(StepContext& context, const Advance& advance) {
-  PlaceFrames(context, advance.of_frames);
-  return std::ranges::all_of(context.buffers().meshes->of, [&](MeshContact& contact) {
-    return IsFree(contact, contact.moved.v(advance.v), contact.moved.phi(advance.phi));
+bool AreFree(Party tools) {
+  for (StepContext* tool : tools) PlaceFrames(*tool, tool->advance.of_frames);
+  PlaceTools(tools);
+  return std::ranges::all_of(tools, [&](StepContext* tool) {
+    return std::ranges::all_of(tool->buffers().meshes->of, [&](MeshContact& contact) {
+      return IsFree(contact, contact.moved.v(tool->advance.v),
+                    contact.moved.phi(tool->advance.phi));
+    });
   });
 }
 
@@ -81,54 +149,67 @@ double MostTurned(const StepContext& context, const Optimum& optimum, double err
   return std::clamp(error / pull, limits::mesh::kSame, limits::mesh::kTurned);
 }
 
-/// For a tool that arrives, returns whether rows changed because they are not true for that place.
-bool Mend(StepContext& context, Advance& advance) {
-  BodyContact& meshes = *context.buffers().meshes;
-  ContactRows& rows = context.buffers().rows;
-  const auto active = advance.optimum.qp.ActiveRows();
-  const auto retract = [&](MeshContact& contact) {
-    FrameRows in_B(rows, contact.moved);
-    return Retract(contact, active, in_B);
+/// For tools that arrive, returns whether rows changed because they are not true for that place.
+bool Mend(Party tools) {
+  StepContext& lead = Lead(tools);
+  const auto retract = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    const bool may = contact.meshes.IsBall() || !tool.IsRigid();
+    return may ? Retract(contact, tool.advance.optimum.qp.ActiveRows(), rows) : 0;
   };
-  if ((meshes.IsBall() || !context.IsRigid()) && meshes.Sum(retract) != 0) return true;
-  if (context.IsFreeBall()) {
+  if (Sum(tools, retract) != 0) return true;
+  if (tools.size() == 1 && lead.IsFreeBall()) {
     // A ball's rows have the smooth surface's normals at the candidate, so the ball rests there,
     // even if facets lifted it as it went.  At a crease they have the normals of the beginning: the
     // ball has not arrived, and goes on round it.
-    advance.arrived = meshes.All([&](const MeshContact& contact) {
-      return Turned(contact, active, FrameRows(rows, contact.moved)) <= limits::mesh::kTurned;
+    lead.advance.arrived = All(tools, [](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+      return Turned(contact, tool.advance.optimum.qp.ActiveRows(), rows) <= limits::mesh::kTurned;
     });
     return false;
   }
-  if (meshes.IsBall() || !context.IsHeldByRows()) return false;
-  const double most = context.HasFriction()
-                          ? limits::mesh::kSame
-                          : MostTurned(context, advance.optimum, limits::mesh::kForceError);
-  return meshes.Sum([&](MeshContact& contact) {
-    FrameRows in_B(rows, contact.moved);
-    return Relinearise(contact, active, most, in_B);
-  }) != 0;
+  const auto relinearise = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    if (contact.meshes.IsBall() || !tool.IsHeldByRows()) return 0;
+    const double most = tool.HasFriction()
+                            ? limits::mesh::kSame
+                            : MostTurned(tool, tool.advance.optimum, limits::mesh::kForceError);
+    return Relinearise(contact, tool.advance.optimum.qp.ActiveRows(), most, rows);
+  };
+  return Sum(tools, relinearise) != 0;
 }
 
 /// Advances by a fraction of the motion only.
-void Shorten(Advance& advance, double fraction) {
-  advance.v *= fraction;
-  advance.phi *= fraction;
-  advance.fraction *= fraction;
-  advance.of_frames *= fraction;
+void Shorten(Party tools, double fraction) {
+  for (StepContext* tool : tools) {
+    Advance& advance = tool->advance;
+    advance.v *= fraction;
+    advance.phi *= fraction;
+    advance.fraction *= fraction;
+    advance.of_frames *= fraction;
+  }
 }
 
-/// Shortens a motion until it is free and paid for, to its half, quarter, ...; returns whether it
-/// can be.
-bool MakeFree(StepContext& context, Advance& advance) {
-  const BodyContact& meshes = *context.buffers().meshes;
-  const auto is_full = [](const MeshContact& contact) { return contact.near.is_full(); };
-  while (std::ranges::none_of(meshes.of, is_full) && !meshes.queries.AreSpent() &&
-         LengthOf(context, advance) > limits::mesh::kRounding) {
-    if (IsFree(context, advance)) return true;
-    Shorten(advance, 0.5);
+/// Shortens the motions until they are free and paid for, to their half, quarter, ...; returns
+/// whether they can be.
+bool MakeFree(Party tools) {
+  const auto is_full = [](const StepContext* tool) {
+    return std::ranges::any_of(tool->buffers().meshes->of,
+                               [](const MeshContact& contact) { return contact.near.is_full(); });
+  };
+  while (std::ranges::none_of(tools, is_full) && !QueriesAreSpent(tools) &&
+         LengthOf(tools) > limits::mesh::kRounding) {
+    if (AreFree(tools)) return true;
+    Shorten(tools, 0.5);
   }
   return false;
+}
+
+/// Returns how much nearer to the hands the motions end than they begin, over k_t of the first
+/// [m^2].
+double GainOf(Party tools) {
+  double gain = 0.0;
+  for (const StepContext* tool : tools) {
+    gain += tool->weight * tool->Gain(tool->advance.v, tool->advance.phi);
+  }
+  return gain;
 }
 
 /// What is to be done with a tool that reaches its optimum.
@@ -138,141 +219,180 @@ enum class Next {
   kSolve,  ///< rows have changed: solve again
 };
 
-/// Decides whether a tool has arrived that reaches its optimum by a free motion: only contacts may
-/// hold it there (README.md, "Arrival").
+/// Decides whether tools have arrived that reach their optimum by a free motion: only contacts may
+/// hold them there (README.md, "Arrival").
 /// @param goes_on  whether rows may change
-Next Settle(StepContext& context, bool goes_on, Advance& advance) {
-  BodyContact& meshes = *context.buffers().meshes;
-  ContactRows& rows = context.buffers().rows;
-  const auto active = advance.optimum.qp.ActiveRows();
-  const double most = MostTurned(context, advance.optimum, limits::mesh::kReleaseError);
-  const auto are_of_contacts = [&](const MeshContact& contact) {
-    return AreOfContacts(contact, active, most, FrameRows(rows, contact.moved));
+Next Settle(Party tools, bool goes_on) {
+  StepContext& lead = Lead(tools);
+  const auto are_of_contacts = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    const Optimum& optimum = tool.advance.optimum;
+    const double most = MostTurned(tool, optimum, limits::mesh::kReleaseError);
+    return AreOfContacts(contact, optimum.qp.ActiveRows(), most, rows);
   };
-  const auto may_rest = [&](MeshContact& contact) {
-    FrameRows in_B(rows, contact.moved);
-    return CheckRest(contact, contact.moved.v(advance.v), contact.moved.phi(advance.phi), in_B);
+  const auto may_rest = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    return CheckRest(contact, contact.moved.v(tool.advance.v), contact.moved.phi(tool.advance.phi),
+                     rows);
   };
-  const auto release = [&](MeshContact& contact) {
-    FrameRows in_B(rows, contact.moved);
-    return Release(contact, active, in_B);
+  const auto release = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    return tool.IsRigid() ? Release(contact, tool.advance.optimum.qp.ActiveRows(), rows) : 0;
   };
-  if (meshes.All(are_of_contacts)) return Next::kGo;
-  if (goes_on && !meshes.queries.AreSpent() && !meshes.All(may_rest)) return Next::kSolve;
+  if (All(tools, are_of_contacts)) return Next::kGo;
+  if (goes_on && !QueriesAreSpent(tools) && !All(tools, may_rest)) return Next::kSolve;
   // The contacts of that place give the next sub-step its rows.  Two short steps in turn end the
   // search, if contacts of the beginning hold the tool; after one, a row at an edge may still turn.
-  const bool stands = LengthOf(context, advance) <= meshes.margins().touching;
-  advance.arrived = stands && context.outcome.stands;
-  context.outcome.stands = stands;
-  if (advance.arrived && context.IsRigid() && meshes.Sum(release) != 0) {
-    Advance past = AdvanceToNewOptimum(context);
-    if (context.IsUnsolved()) return Next::kStay;
-    if (MakeFree(context, past) &&
-        context.Gain(past.v, past.phi) > context.Gain(advance.v, advance.phi)) {
-      advance = past;
-      advance.arrived = false;
+  const bool stands = LengthOf(tools) <= lead.buffers().meshes->margins().touching;
+  const bool arrived = stands && lead.outcome.stands;
+  lead.outcome.stands = stands;
+  for (StepContext* tool : tools) tool->advance.arrived = arrived;
+  if (arrived && Sum(tools, release) != 0) {
+    const double gain = GainOf(tools);
+    std::array<Advance, kMostTools> held;
+    for (std::size_t i = 0; i < tools.size(); ++i) held[i] = tools[i]->advance;
+    AdvanceToNewOptima(tools);
+    if (AreUnsolved(tools)) return Next::kStay;
+    if (MakeFree(tools) && GainOf(tools) > gain) {
+      for (StepContext* tool : tools) tool->advance.arrived = false;
       return Next::kGo;
     }
-    Remember(context, advance.optimum);
+    for (std::size_t i = 0; i < tools.size(); ++i) {
+      tools[i]->advance = held[i];
+      Remember(*tools[i], held[i].optimum);
+    }
   }
-  return IsFree(context, advance) ? Next::kGo : Next::kStay;
+  return AreFree(tools) ? Next::kGo : Next::kStay;
 }
 
-/// Returns whether a free motion ends no farther from the hand than it begins, except for rounding.
+/// Returns whether free motions end no farther from the hands than they begin, except for rounding.
 /// Energies push too, so their optimum with the coupling may lie farther from the hand.  So may a
 /// ball's: facets may lift it as it goes to where the smooth surface holds it, and a straight
 /// motion past a crease ends farther out than the arc.
-bool Approaches(const StepContext& context, const Advance& advance) {
-  return !context.IsRigid() || context.IsFreeBall() ||
-         context.Approaches(advance.optimum, advance.v, advance.phi) ||
-         LengthOf(context, advance) <= limits::mesh::kRounding;
+bool Approach(Party tools) {
+  const StepContext& lead = Lead(tools);
+  return !lead.IsRigid() || (tools.size() == 1 && lead.IsFreeBall()) || AdvancesApproach(tools) ||
+         LengthOf(tools) <= limits::mesh::kRounding;
 }
 
 /// Begins the sub-step anew with the rows as they are at its beginning; once they regain no
-/// separation, the tool may go only a quarter as far (README.md, "Rest").
-void BeginAnew(StepContext& context) {
-  BodyContact& meshes = *context.buffers().meshes;
-  ContactRows& rows = context.buffers().rows;
-  const bool shorter = !GiveUpRegain(context);
-  // A ball's rows have the smooth surface's normals and not its facets', so no
-  // motion is short enough.
-  if (meshes.IsBall()) {
-    rows.AdmitZero();
-    return;
+/// separation, the tools may go only a quarter as far (README.md, "Rest").
+void BeginAnew(Party tools) {
+  const bool shorter = !GiveUpRegain(tools);
+  for (StepContext* tool : tools) {
+    // A ball's rows have the smooth surface's normals and not its facets', so no
+    // motion is short enough.
+    if (tool->buffers().meshes->IsBall()) continue;
+    TrustRegion& trust = tool->sub_step.trust;
+    if (shorter) {
+      StepBounds& bounds = tool->sub_step.bounds;
+      const double narrow = limits::mesh::kNarrow;
+      bounds = Clamped(tool->model.parameters(),
+                       {std::min(bounds.translation, narrow * trust.first.translation),
+                        std::min(bounds.rotation, narrow * trust.first.rotation)});
+      trust.shrunk = true;
+    }
+    trust.failures = 0;
+    tool->advance.v.setZero();
+    tool->advance.phi.setZero();
   }
-  TrustRegion& trust = context.sub_step.trust;
-  if (shorter) {
-    StepBounds& bounds = context.sub_step.bounds;
-    const double narrow = limits::mesh::kNarrow;
-    bounds = Clamped(context.model.parameters(),
-                     {std::min(bounds.translation, narrow * trust.first.translation),
-                      std::min(bounds.rotation, narrow * trust.first.rotation)});
-    BeginFrames(context, true);
-    trust.shrunk = true;
-  }
-  trust.failures = 0;
-  for (MeshContact& contact : meshes.of) {
-    FrameRows in_B(rows, contact.moved);
-    RelineariseAtStart(contact, in_B);
-  }
+  if (shorter) BeginFrames(tools, true);
+  PlaceTools(tools);
+  Sum(tools, [](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    if (contact.meshes.IsBall()) {
+      tool.buffers().rows.AdmitZero();
+    } else {
+      RelineariseAtStart(contact, rows);
+    }
+    return 0;
+  });
 }
 
-/// Shortens a motion to the longest half, quarter, ... that is free and paid for, or to none.
-void Halve(StepContext& context, Advance& advance) {
-  BodyContact& meshes = *context.buffers().meshes;
-  advance.arrived = false;
-  if (context.HasFriction()) context.friction = context.state().friction;
-  meshes.queries.most += context.model.parameters().queries / limits::mesh::kReserve;
-  // What held the tool at the beginning still does, and not what a candidate met that is given up.
-  context.sub_step.active = context.state().active;
-  Shorten(advance, 0.5);
-  if (MakeFree(context, advance)) return;
-  advance.v.setZero();
-  advance.phi.setZero();
-  advance.fraction = advance.of_frames = 0.0;
-  for (MeshContact& contact : meshes.of) contact.motion = Motion(contact.motion.from);
+/// Shortens the motions to their longest half, quarter, ... that is free and paid for, or to none.
+void Halve(Party tools) {
+  for (StepContext* tool : tools) {
+    tool->advance.arrived = false;
+    if (tool->HasFriction()) tool->friction = tool->state().friction;
+    tool->buffers().meshes->queries.most +=
+        tool->model.parameters().queries / limits::mesh::kReserve;
+    // What held the tool at the beginning still does, and not what a candidate met that is given
+    // up.
+    tool->sub_step.active = tool->state().active;
+  }
+  Shorten(tools, 0.5);
+  if (MakeFree(tools)) return;
+  for (StepContext* tool : tools) {
+    Advance& advance = tool->advance;
+    advance.v.setZero();
+    advance.phi.setZero();
+    advance.fraction = advance.of_frames = 0.0;
+    for (MeshContact& contact : tool->buffers().meshes->of) {
+      contact.motion = Motion(contact.motion.from);
+    }
+  }
 }
 
 }  // namespace
 
-bool CheckCandidate(StepContext& context, const Vec3& v, const Vec3& phi) noexcept {
-  return context.buffers().meshes->All([&](MeshContact& contact) {
-    FrameRows rows(context.buffers().rows, contact.moved);
-    return CheckCandidate(contact, contact.moved.v(v), contact.moved.phi(phi), rows);
+bool AdvancesApproach(Party tools) noexcept {
+  double gain = 0.0;
+  for (const StepContext* tool : tools) {
+    if (tool->BodiesMove()) return true;
+    const Advance& step = tool->advance;
+    const BodyContact& meshes = *tool->buffers().meshes;
+    const double length = step.v.norm() + meshes.a().mesh.reach() * step.phi.norm();
+    double price = 0.0;
+    if (length <= meshes.margins().touching) {
+      for (const MeshContact& contact : meshes.of) {
+        price += PriceOfRegain(contact, step.optimum.qp);
+      }
+    }
+    gain += tool->weight * (tool->Gain(step.v, step.phi) + 2.0 * price);
+  }
+  return gain >= 0.0;
+}
+
+bool CheckCandidate(Party tools) noexcept {
+  PlaceTools(tools);
+  return All(tools, [](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    return CheckCandidate(contact, contact.moved.v(tool.advance.v),
+                          contact.moved.phi(tool.advance.phi), rows);
   });
 }
 
-bool GiveUpRegain(StepContext& context) noexcept {
-  return context.buffers().meshes->Sum([&](MeshContact& contact) {
-    FrameRows rows(context.buffers().rows, contact.moved);
-    return GiveUpRegain(contact, rows) ? 1 : 0;
-  }) != 0;
+bool GiveUpRegain(Party tools) noexcept {
+  return Sum(tools, [](StepContext&, MeshContact& contact, FrameRows& rows) {
+           return GiveUpRegain(contact, rows) ? 1 : 0;
+         }) != 0;
 }
 
-bool MakeAdvance(StepContext& context, Advance& advance) noexcept {
-  GoWithinBounds(context, advance);
-  if (!Foresees(context, advance)) return false;
-  if (!context.buffers().meshes) return true;
-  const BodyContact& meshes = *context.buffers().meshes;
-  const bool goes_on = context.sub_step.iterates < context.model.parameters().iterates;
-  TrustRegion& trust = context.sub_step.trust;
-  if (trust.failures == 0) trust.first = {advance.v.norm(), advance.phi.norm()};
-  const bool is_free = CheckCandidate(context, advance.v, advance.phi);
-  if (is_free && Approaches(context, advance)) {
-    if (advance.arrived && goes_on && Mend(context, advance)) return false;
+bool MakeAdvance(Party tools) noexcept {
+  StepContext& lead = Lead(tools);
+  GoWithinBounds(tools);
+  if (!Foresees(lead)) return false;
+  if (!lead.buffers().meshes) return true;
+  const bool goes_on = lead.sub_step.iterates < lead.model.parameters().iterates;
+  const bool is_trusted = lead.sub_step.trust.failures > 0;
+  for (StepContext* tool : tools) {
+    if (!is_trusted)
+      tool->sub_step.trust.first = {tool->advance.v.norm(), tool->advance.phi.norm()};
+  }
+  const bool is_free = CheckCandidate(tools);
+  if (is_free && Approach(tools)) {
+    if (lead.advance.arrived && goes_on && Mend(tools)) return false;
     // For a ball, Turned decides whether it has arrived.
-    const bool may_settle = context.IsHeldByRows();
-    if (advance.arrived && may_settle && !meshes.IsBall() && !advance.optimum.rounds) {
-      const Next next = Settle(context, goes_on, advance);
+    const bool may_settle = lead.IsHeldByRows();
+    const bool is_ball = tools.size() == 1 && lead.buffers().meshes->IsBall();
+    if (lead.advance.arrived && may_settle && !is_ball && !lead.advance.optimum.rounds) {
+      const Next next = Settle(tools, goes_on);
       if (next != Next::kStay) return next == Next::kGo;
     } else {
       return true;
     }
-  } else if (goes_on && !meshes.queries.AreSpent()) {
-    if (is_free || ++trust.failures == limits::mesh::kTrustedCandidates) BeginAnew(context);
+  } else if (goes_on && !QueriesAreSpent(tools)) {
+    if (is_free || ++lead.sub_step.trust.failures == limits::mesh::kTrustedCandidates) {
+      BeginAnew(tools);
+    }
     return false;
   }
-  Halve(context, advance);
+  Halve(tools);
   return true;
 }
 

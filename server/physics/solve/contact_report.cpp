@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-void ReportContacts(StepContext& context, const Advance& advance) noexcept {
+void ReportContacts(StepContext& context) noexcept {
+  const Advance& advance = context.advance;
   const ContactRows& rows = context.buffers().rows;
   const Optimum& optimum = advance.optimum;
   const SoftRows* soft = context.buffers().energies ? context.buffers().energies->soft() : nullptr;
@@ -30,6 +31,7 @@ void ReportContacts(StepContext& context, const Advance& advance) noexcept {
   const auto add = [&](int i, double offset, double force) {
     ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
     row.id = rows.id(i);
+    row.tool = rows.with_others() ? rows.other(i).tool : -1;
     row.normal = rows.normal(i);
     row.lever_cross_normal = rows.lever_cross_normal(i);
     row.offset = offset - row.normal.dot(advance.v) - row.lever_cross_normal.dot(advance.phi);
@@ -51,6 +53,27 @@ void ReportContacts(StepContext& context, const Advance& advance) noexcept {
   for (int k = 0; k < yielding.listed && report.contacts < kMaxActiveRows; ++k) {
     const int i = yielding.row[k];
     add(i, -rows.gap(i), k_t * yielding.push[k])->stiffness = k_t * soft->weight(i);
+  }
+}
+
+void ReportTouches(Party tools) noexcept {
+  for (std::size_t i = 0; i < tools.size() && tools.size() > 1; ++i) {
+    const StepContext& owner = *tools[i];
+    const Optimum& optimum = owner.advance.optimum;
+    for (int k = 0; k < optimum.qp.active; ++k) {
+      const ActiveRow& own = owner.report().active[static_cast<std::size_t>(k)];
+      if (own.tool < 0) continue;
+      StepContext& touched = *tools[static_cast<std::size_t>(own.tool)];
+      StepReport& report = touched.report();
+      if (report.contacts == kMaxActiveRows) continue;
+      ActiveRow& row = report.active[static_cast<std::size_t>(report.contacts++)];
+      const ContactRows::Other& other = owner.buffers().rows.other(optimum.qp.row[k]);
+      row = own;
+      row.tool = static_cast<std::int32_t>(i);
+      row.normal = other.v;
+      row.lever_cross_normal = other.phi;
+      row.friction = -own.friction;
+    }
   }
 }
 

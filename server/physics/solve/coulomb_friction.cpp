@@ -13,8 +13,12 @@ namespace {
 using namespace limits::friction;
 
 using Vec2 = Eigen::Vector2d;
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-using Mat36 = Eigen::Matrix<double, 3, 6, Eigen::RowMajor>;
+template <int N>
+using Vec = Eigen::Matrix<double, N, 1>;
+template <int N>
+using Mat = Eigen::Matrix<double, N, N>;
+template <int N>
+using Mat3N = Eigen::Matrix<double, 3, N, Eigen::RowMajor>;
 double Largest(const auto& v) {
   return v.template lpNorm<Eigen::Infinity>();
 }
@@ -25,27 +29,30 @@ double MultiplierOf(const QpResult& qp, int row) {
 }
 
 /// Solves H x = g by elimination with row exchanges; Eigen's takes twice as long at this size.
-Vec6 SolveLinear(const Mat6& H, const Vec6& g) {
-  Eigen::Matrix<double, 6, 8, Eigen::RowMajor> A;  // an even width, for vectors
+template <int N>
+Vec<N> SolveLinear(const Mat<N>& H, const Vec<N>& g) {
+  Eigen::Matrix<double, N, N + 2, Eigen::RowMajor> A;  // an even width, for vectors
   A << H, g, g;
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < N; ++k) {
     int pivot;
-    A.col(k).tail(6 - k).cwiseAbs().maxCoeff(&pivot);
+    A.col(k).tail(N - k).cwiseAbs().maxCoeff(&pivot);
     A.row(k).swap(A.row(k + pivot));
-    for (int i = k + 1; i < 6; ++i) A.row(i) -= A(i, k) / A(k, k) * A.row(k);
+    for (int i = k + 1; i < N; ++i) A.row(i) -= A(i, k) / A(k, k) * A.row(k);
   }
-  const auto upper = A.leftCols<6>().triangularView<Eigen::Upper>();
-  return upper.solve(A.col(6));
+  const auto upper = A.template leftCols<N>().template triangularView<Eigen::Upper>();
+  return upper.solve(A.col(N));
 }
 
 /// A contact that yields: it pushes back by its stiffness times its offset, within Coulomb's law.
 /// Its axes are -n and two tangents.
+template <int N>
 struct Contact {
-  int row;
-  Mat3 axes;  ///< row by row, in W
-  Vec3 lever;
-  const FrameMotion* body;  ///< how what it touches moves; null if it stands
-  Mat36 J;                  ///< its motion along the axes, over x
+  ToolRow of;
+  int other = -1;           ///< the other tool that its row names; negative: none
+  Mat3 axes;                ///< row by row, in W
+  Vec3 lever, other_lever;  ///< of its point, from either tool's reference point
+  const FrameMotion* body;  ///< how what it touches moves; null if it stands, or is a tool
+  Mat3N<N> J;               ///< its motion along the axes, over x
   Vec3 still;               ///< its offset where the tool stays: b of its row a . x >= b, and the
                             ///< slip of a body that moves
   double mu, mu_s, mu_d;    ///< mu is one of the two
@@ -56,19 +63,19 @@ struct Contact {
   double ratio;             ///< of friction's limit to what it would be without; 1 if it sticks
   Vec2 direction;           ///< of friction, if it slips
   Vec3 mean, moved;         ///< f = mean + rate dx, and by how much that changes it in a step
-  Mat36 rate;
+  Mat3N<N> rate;
   Vec3 start, before;  ///< f and `held` to go back to
 
   double lambda() const { return f[0]; }
-  auto friction() { return f.tail<2>(); }
-  auto friction() const { return f.tail<2>(); }
+  auto friction() { return f.template tail<2>(); }
+  auto friction() const { return f.template tail<2>(); }
   bool slips() const { return ratio < 1.0; }
   double slip() const { return offset.tail<2>().norm(); }
 
   /// Evaluates the law at x and f, with w = r (offset - (f - held) / k) for any r > 0:
   ///   lambda = max(0, lambda + w_1),
   ///   friction = friction + w_2,3, projected onto the disk of radius mu lambda.
-  void Evaluate(double k, double penalty, const Vec6& x) {
+  void Evaluate(double k, double penalty, const Vec<N>& x) {
     offset = J * x + still;
     law = f + penalty * (offset - (f - held) / k);
     law[0] = std::max(0.0, law[0]);
@@ -91,8 +98,8 @@ struct Contact {
     if (!slips()) return;
     const double left = 1.0 - ratio * (1.0 - penalty / k);
     const Vec2 across(-direction[1], direction[0]);
-    const Eigen::Matrix<double, 1, 6> turn =
-        penalty * ratio / left * across.transpose() * J.bottomRows<2>();
+    const Eigen::Matrix<double, 1, N> turn =
+        penalty * ratio / left * across.transpose() * J.template bottomRows<2>();
     mean.tail<2>() =
         mu * mean[0] * direction + (1.0 - 1.0 / left) * across.dot(friction()) * across;
     for (int i = 0; i < 2; ++i) {
@@ -102,12 +109,19 @@ struct Contact {
 };
 
 /// The contacts of a sub-step, and the method that finds their forces.  Lengths in metres, and
-/// forces too, divided by k_t.
+/// forces too, divided by k_t of the first tool.  Unknowns are those of SolveRows.
+template <int N>
 class FrictionalContacts {
  public:
-  FrictionalContacts(const StepContext& context, const Optimum& frictionless, const Vec6& t)
-      : context_(context), frictionless_(frictionless.qp), t_(t) {
-    size_ = t_.norm() + (t_ - Vec6::Map(frictionless_.x)).norm();
+  using Contact = palpate::Contact<N>;
+
+  FrictionalContacts(Party tools, const Vec<N>& t)
+      : tools_(tools), t_(t), slack_(Lead(tools).advance.optimum.qp.slack) {
+    Vec<N> x = Vec<N>::Zero();
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      Block(x, i) = tools_[i]->Scale() * Vec6::Map(tools_[i]->advance.optimum.qp.x);
+    }
+    size_ = t_.norm() + (t_ - x).norm();
     Begin();
   }
 
@@ -115,17 +129,23 @@ class FrictionalContacts {
   /// those of the frictionless optimum.  If there are any of the former, the others start without
   /// force, because the former balanced the hand.
   void Begin() {
-    const FrictionState& state = context_.friction;
     count_ = 0;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(state.contacts); ++i) {
-      int row;
-      if (context_.buffers().rows.Find({&state.id[i], 1}, &row) == 1) {
-        Add(row, state.normal_force[i], state.force[i]);
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      const FrictionState& state = tools_[i]->friction;
+      const double weight = tools_[i]->weight;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(state.contacts); ++k) {
+        int row;
+        if (tools_[i]->buffers().rows.Find({&state.id[k], 1}, &row) == 1) {
+          Add({i, row}, weight * state.normal_force[k], weight * state.force[k]);
+        }
       }
     }
     const bool warm = count_ > 0;
-    for (int i = 0; i < frictionless_.active; ++i) {
-      Add(frictionless_.row[i], warm ? 0.0 : frictionless_.multiplier[i]);
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      const QpResult& frictionless = tools_[i]->advance.optimum.qp;
+      for (int k = 0; k < frictionless.active; ++k) {
+        Add({i, frictionless.row[k]}, warm ? 0.0 : tools_[i]->weight * frictionless.multiplier[k]);
+      }
     }
   }
 
@@ -136,102 +156,163 @@ class FrictionalContacts {
 
   /// Adds a contact.  Returns false if the row is there already, or there is no room.
   /// @param lambda, force  where Newton's method starts
-  bool Add(int row, double lambda = 0.0, const Vec3& force = Vec3::Zero()) {
-    if (std::any_of(begin(), end(), [row](const auto& c) { return c.row == row; })) return false;
-    if (count_ == kMaxActiveRows) DropUnloaded();
-    if (count_ == kMaxActiveRows) return false;
-    const HapticModel& model = context_.model;
-    const ContactRows& rows = context_.buffers().rows;
-    const Material& material = model.MaterialOf(rows.id(row), context_.state().solids);
+  bool Add(const ToolRow& of, double lambda = 0.0, const Vec3& force = Vec3::Zero()) {
+    if (std::any_of(begin(), end(), [of](const auto& c) { return c.of == of; })) return false;
+    if (count_ == kMost) DropUnloaded();
+    if (count_ == kMost) return false;
+    const StepContext& tool = *tools_[of.tool];
+    const HapticModel& model = tool.model;
+    const ContactRows& rows = tool.buffers().rows;
+    const int row = of.row;
+    const Material& material = model.MaterialOf(rows.id(row), tool.state().solids);
     Contact& contact = contact_[count_++];
-    contact.row = row;
+    contact.of = of;
     contact.mu_s = material.static_friction;
     contact.mu_d = material.dynamic_friction;
-    const bool slid = context_.friction.still < model.parameters().still_cycles;
+    const bool slid = tool.friction.still < model.parameters().still_cycles;
     contact.mu = slid ? contact.mu_d : contact.mu_s;
     const Vec3 n = rows.normal(row), s0 = n.unitOrthogonal(), s1 = n.cross(s0);
     // Slip is that of the point where it touches when the row holds.  Otherwise corners of a face
     // that comes down on a plane would slip against each other by their gaps times its turn.
-    contact.lever = rows.LeverOf(row, model.tool().leaves, context_.tools.R_WG);
-    contact.body = context_.MotionOf(rows.id(row));
+    contact.lever = rows.LeverOf(row, model.tool().leaves, tool.tools.R_WG);
+    contact.body = tool.MotionOf(rows.id(row));
     const auto moved = [&] {
       return contact.body == nullptr ? Vec3(Vec3::Zero()) : contact.body->BodyAt(contact.lever);
     };
     // The row's gap is that to where the body goes.
     contact.lever -= (rows.gap(row) + n.dot(moved())) * n;
     contact.axes << -n.transpose(), s0.transpose(), s1.transpose();
-    contact.J.leftCols<3>() = contact.axes;
-    Mat3 turns;  // columns
-    turns << -rows.lever_cross_normal(row), contact.lever.cross(s0), contact.lever.cross(s1);
-    if (model.is_ball()) turns.setZero();
-    contact.J.rightCols<3>() = turns.transpose() / model.rotation_length();
+    if constexpr (N > 6) contact.J.setZero();
+    const auto turn_about = [&](const Vec3& lever, const Vec3& by_rotation) {
+      Mat3 turns;  // columns
+      turns << -by_rotation, lever.cross(s0), lever.cross(s1);
+      if (model.is_ball()) turns.setZero();
+      return turns;
+    };
+    const auto block = [&](std::size_t i, const Mat3& axes, const Mat3& turns) {
+      const int at = 6 * static_cast<int>(i);
+      contact.J.template middleCols<3>(at) = axes / tools_[i]->Scale();
+      contact.J.template middleCols<3>(at + 3) =
+          turns.transpose() / (tools_[i]->model.rotation_length() * tools_[i]->Scale());
+    };
+    block(of.tool, contact.axes, turn_about(contact.lever, rows.lever_cross_normal(row)));
+    contact.other = rows.with_others() ? rows.other(row).tool : -1;
+    if (contact.other >= 0) {
+      const auto j = static_cast<std::size_t>(contact.other);
+      contact.other_lever = contact.lever + tool.tools.p_G - tools_[j]->tools.p_G;
+      block(j, -contact.axes, -turn_about(contact.other_lever, -rows.other(row).phi));
+    }
     contact.still = -contact.axes * moved();
-    contact.still[0] = context_.sub_step.rigid.b[row] - frictionless_.slack;
+    contact.still[0] = tool.sub_step.rigid.b[row] - slack_;
     contact.f = contact.axes * force;
     contact.f[0] = lambda;
     return true;
   }
 
   /// Finds the frictional optimum over these contacts alone.  Returns whether it was found.
-  bool Solve(StepReport& report) {
+  bool Solve() {
     do {
       for (Contact& contact : *this) contact.held.setZero();
       stiffness_ = kStiffness;
-      if (!Newton(report) && !Stiffen(report)) return false;
-      settled_ = Settle(report);
+      if (!Newton() && !Stiffen()) return false;
+      settled_ = Settle();
     } while (LetSlip());
     return true;
   }
   bool settled() const { return settled_; }
 
-  /// Returns t less the friction: the target of the QP over all rows.
-  Vec6 ShiftedTarget() const {
-    Vec6 t = t_;
+  /// Solves the QP over all rows for t less the friction, into each tool's `nearest`.  Returns
+  /// whether it ended.
+  bool SolveShifted() {
+    Vec<N> t = t_;
+    ToolRow guess[kMost];
+    std::size_t guesses = 0;
     for (const Contact& contact : *this) {
-      t -= contact.J.bottomRows<2>().transpose() * contact.friction();
+      t -= contact.J.template bottomRows<2>().transpose() * contact.friction();
+      if (contact.lambda() > 0.0) guess[guesses++] = contact.of;
     }
-    return t;
+    SolveRows(tools_, t.data(), {guess, guesses});
+    bool solved = true;
+    for (StepContext* tool : tools_) {
+      tool->report().diagnostics.qp_iterations += tool->nearest.qp.iterations;
+      solved &= tool->nearest.qp.status != QpStatus::kIterationLimit;
+    }
+    return solved;
   }
 
-  const Vec6& x() const { return x_; }
-  /// Takes over the QP's x, which violates nothing, if it differs only as this one may be off.
-  void Follow(const double* x) {
-    if (Largest(Vec6::Map(x) - x_) <= 10.0 * kSolved * size_) x_ = Vec6::Map(x);
+  /// Adds the rows that hold the tools at its solution; returns whether any was missing.
+  bool AddRowsOfShifted() {
+    bool added = false;
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      for (const int row : tools_[i]->nearest.qp.ActiveRows()) added |= Add({i, row});
+    }
+    return added;
   }
-  /// By how much x may violate a row.
-  double tolerance() const { return frictionless_.slack + kExact * size_; }
+
+  /// Returns whether no row is violated by more than contacts may yield.
+  bool Hold() const { return RowsHold(tools_, x_.data(), slack_ + kExact * size_); }
+
+  /// Takes over the QP's x, which violates nothing, if it differs only as this one may be off.
+  void Follow() {
+    Vec<N> x = x_;
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      Block(x, i) = tools_[i]->Scale() * Vec6::Map(tools_[i]->nearest.qp.x);
+    }
+    if (Largest(x - x_) <= 10.0 * kSolved * size_) x_ = x;
+  }
 
   /// Takes over the normal forces of the QP, and projects friction onto its disks.  Returns whether
   /// that changed anything, so that the QP must be solved again.
-  bool Project(const QpResult& qp) {
+  bool Project() {
     bool changed = false;
     for (Contact& contact : *this) {
-      contact.f[0] = MultiplierOf(qp, contact.row);
+      const StepContext& tool = *tools_[contact.of.tool];
+      contact.f[0] = tool.weight * MultiplierOf(tool.nearest.qp, contact.of.row);
       const double limit = contact.mu * contact.lambda(), length = contact.friction().norm();
       if (length <= limit + kSolved * size_) continue;
       contact.friction() *= limit / length;
       changed = true;
     }
     DropUnloaded();
-    for (int j = 0; j < qp.active; ++j) Add(qp.row[j], qp.multiplier[j]);
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      const QpResult& qp = tools_[i]->nearest.qp;
+      for (int k = 0; k < qp.active; ++k) {
+        Add({i, qp.row[k]}, tools_[i]->weight * qp.multiplier[k]);
+      }
+    }
     return changed;
   }
 
-  bool slides() const {
-    return std::any_of(begin(), end(), [this](const auto& c) { return Slides(c) && c.mu_s > 0.0; });
+  /// Returns whether a contact of a tool slips.
+  bool Slides(std::size_t tool) const {
+    return std::any_of(begin(), end(),
+                       [&](const auto& c) { return IsOf(c, tool) && Slides(c) && c.mu_s > 0.0; });
   }
 
-  /// Returns what v must compensate so that a sticking point stays in place when the tool turns
-  /// about it by a finite angle, as the mean over the sticking points.  Otherwise a stylus that
-  /// trembles about its tip would creep by the second order.
-  Vec3 Creep(const Vec3& phi) const {
+  /// Returns what a tool's v must compensate so that a sticking point stays in place when tools
+  /// turn about it by finite angles, as the mean over the sticking points.  Otherwise a stylus that
+  /// trembles about its tip would creep by the second order.  Of two tools each compensates the
+  /// share that leaves their forces in balance.
+  Vec3 Creep(std::size_t tool) const {
     Vec3 sum = Vec3::Zero();
     int sticking = 0;
+    const StepContext& of = *tools_[tool];
+    const Vec3 phi = TurnOf(of);
+    if (phi.norm() > of.model.parameters().max_rotation) return sum;
     const Quat turn = RotationExp(phi);
     for (const Contact& contact : *this) {
+      if (!IsOf(contact, tool)) continue;
       if (Slides(contact) || contact.lambda() == 0.0 || contact.mu_s == 0.0) continue;
-      Vec3 rest = turn * contact.lever - contact.lever - phi.cross(contact.lever);
+      const bool is_owner = contact.of.tool == tool;
+      Vec3 rest = BendOf(turn, phi, is_owner ? contact.lever : contact.other_lever);
       if (contact.body != nullptr) rest -= contact.body->BendAt(contact.lever);
+      if (contact.other >= 0) {
+        const StepContext& other =
+            *tools_[is_owner ? static_cast<std::size_t>(contact.other) : contact.of.tool];
+        const Vec3 others = TurnOf(other);
+        rest -= BendOf(RotationExp(others), others, is_owner ? contact.other_lever : contact.lever);
+        rest *= other.weight / (of.weight + other.weight);
+      }
       const Vec3 n = contact.axes.row(0);
       sum += rest - rest.dot(n) * n;
       ++sticking;
@@ -239,35 +320,68 @@ class FrictionalContacts {
     return sticking == 0 ? sum : Vec3(sum / sticking);
   }
 
-  /// Writes the contacts that carry force.
-  void Write(FrictionState& state, QpResult& qp, FrictionForces& forces) const {
-    qp.active = 0;
-    for (const Contact& contact : *this) {
-      if (contact.f.isZero(0.0)) continue;
-      const auto k = static_cast<std::size_t>(qp.active++);
-      qp.row[k] = contact.row;
-      qp.multiplier[k] = std::max(0.0, contact.lambda());  // may be slightly negative by rounding
-      state.id[k] = context_.buffers().rows.id(contact.row);
-      state.normal_force[k] = qp.multiplier[k];
-      state.force[k] = contact.axes.bottomRows<2>().transpose() * contact.friction();
-      forces[k] = -state.force[k];
+  /// Writes x, and the contacts that carry force.
+  /// @param solved  whether this is the solution; else x is that of the QP
+  void Write(bool solved) const {
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      StepContext& tool = *tools_[i];
+      FrictionState& state = tool.friction;
+      QpResult& qp = tool.advance.optimum.qp;
+      if (solved) {
+        Vec6::Map(qp.x) = x_.template segment<6>(6 * static_cast<int>(i)) / tool.Scale();
+      } else {
+        std::ranges::copy(tool.nearest.qp.x, qp.x);
+      }
+      qp.active = 0;
+      for (const Contact& contact : *this) {
+        if (contact.of.tool != i || contact.f.isZero(0.0)) continue;
+        if (contact.other >= 0) {
+          tools_[static_cast<std::size_t>(contact.other)]->advance.optimum.is_touched = true;
+        }
+        if (qp.active == kMaxActiveRows) continue;
+        const auto k = static_cast<std::size_t>(qp.active++);
+        qp.row[k] = contact.of.row;
+        // It may be slightly negative by rounding.
+        qp.multiplier[k] = std::max(0.0, contact.lambda() / tool.weight);
+        state.id[k] = tool.buffers().rows.id(contact.of.row);
+        state.normal_force[k] = qp.multiplier[k];
+        state.force[k] =
+            contact.axes.template bottomRows<2>().transpose() * contact.friction() / tool.weight;
+        tool.advance.optimum.friction[k] = -state.force[k];
+      }
+      state.contacts = qp.active;
     }
-    state.contacts = qp.active;
   }
 
   /// Lets the contacts hold their forces where they are offset by nothing, so that what sticks does
   /// not move, and rows yield by their disagreement and not by their load.  In a wedge steeper than
   /// the friction angle the forces then have no bound: the contacts stay as they are, and the
   /// result is false.
-  bool Settle(StepReport& report) {
+  bool Settle() {
     for (Contact& contact : *this) contact.before = std::exchange(contact.held, contact.f);
-    if (Newton(report)) return true;
+    if (Newton()) return true;
     for (Contact& contact : *this) contact.held = contact.before;
     Error();
     return false;
   }
 
  private:
+  static constexpr int kMost = kMaxActiveRows * N / 6;
+
+  static auto Block(Vec<N>& x, std::size_t i) {
+    return x.template segment<6>(6 * static_cast<int>(i));
+  }
+  /// Returns a tool's turn at the optimum that Write has given it.
+  static Vec3 TurnOf(const StepContext& tool) {
+    return Vec3::Map(tool.advance.optimum.qp.x + 3) / tool.model.rotation_length();
+  }
+  /// Returns how much farther a point moves by a turn than to first order.
+  static Vec3 BendOf(const Quat& turn, const Vec3& phi, const Vec3& lever) {
+    return turn * lever - lever - phi.cross(lever);
+  }
+  static bool IsOf(const Contact& contact, std::size_t tool) {
+    return contact.of.tool == tool || contact.other == static_cast<int>(tool);
+  }
   bool Slides(const Contact& contact) const {
     return contact.slips() && contact.lambda() != 0.0 && contact.slip() > kSlid * size_;
   }
@@ -295,9 +409,9 @@ class FrictionalContacts {
   }
 
   /// Returns the step of Newton's method from where the law was evaluated.
-  Vec6 Step() {
-    Vec6 g = t_ - x_;
-    Mat6 H = Mat6::Identity();
+  Vec<N> Step() {
+    Vec<N> g = t_ - x_;
+    Mat<N> H = Mat<N>::Identity();
     for (Contact& contact : *this) {
       contact.Linearise(stiffness_, penalty_);
       g.noalias() -= contact.J.transpose() * contact.mean;
@@ -307,17 +421,17 @@ class FrictionalContacts {
   }
 
   /// Newton's method with one penalty or another.
-  bool Newton(StepReport& report) {
+  bool Newton() {
     return std::ranges::any_of(kPenalties, [&](double penalty) {
       penalty_ = penalty;
-      return NewtonFrom(report);
+      return NewtonFrom();
     });
   }
 
   /// Semismooth Newton method in x and the forces, from these.  A step whose error is not less than
   /// the greatest of the last three is halved; x and forces are scaled together, so that they stay
   /// in balance.  If it does not end, everything is as before.
-  bool NewtonFrom(StepReport& report) {
+  bool NewtonFrom() {
     for (Contact& contact : *this) contact.start = contact.f;
     Balance();
     double error = Error(), last[3] = {};
@@ -328,10 +442,10 @@ class FrictionalContacts {
         Error();
         return false;
       }
-      ++report.diagnostics.friction_iterations;
+      ++Lead(tools_).report().diagnostics.friction_iterations;
       last[step % 3] = error;
       const double bound = std::max({last[0], last[1], last[2]});
-      Vec6 d = Step();
+      Vec<N> d = Step();
       for (Contact& contact : *this) contact.moved = contact.mean + contact.rate * d - contact.f;
       double fraction = 1.0;
       for (int halving = 0; halving <= kHalvings; ++halving) {
@@ -348,14 +462,14 @@ class FrictionalContacts {
   /// Finds the forces of contacts that begin as soft as the hand's spring, where they are known,
   /// and are stiffened in stages, each of which begins from the forces of the last.  The stiffest
   /// that are found count.
-  bool Stiffen(StepReport& report) {
+  bool Stiffen() {
     for (Contact& contact : *this) contact.f.setZero();
     double found = 0.0;
     for (stiffness_ = 1.0; stiffness_ <= kStiffness; stiffness_ *= 2.0) {
-      if (Newton(report)) found = stiffness_;
+      if (Newton()) found = stiffness_;
     }
     stiffness_ = found;
-    return found >= kSoftest && Newton(report);
+    return found >= kSoftest && Newton();
   }
 
   /// Gives mu_d to the contacts that mu_s does not hold; returns whether that changes anything.
@@ -369,91 +483,86 @@ class FrictionalContacts {
     return any;
   }
 
-  const StepContext& context_;
-  const QpResult& frictionless_;
-  Vec6 t_, x_;
+  Party tools_;
+  Vec<N> t_, x_;
+  double slack_;      ///< of the frictionless optimum
   double size_;       ///< of the problem: tolerances are relative to it
   double stiffness_;  ///< of contacts, over k_t
   double penalty_ = 0.0;
   bool settled_ = false;
   int count_ = 0;
-  Contact contact_[kMaxActiveRows];
+  Contact contact_[kMost];
 };
 
-/// Returns false if the frictionless optimum stays.
-/// @param t  the target
-bool Solve(StepContext& context, Optimum& optimum, const Vec6& t) {
-  StepReport& report = context.report();
-  FrictionalContacts contacts(context, optimum, t);
-  QpResult qp;
-  const auto solve_shifted = [&] {
-    int guess[kMaxActiveRows], guesses = 0;
-    for (const Contact& contact : contacts) {
-      if (contact.lambda() > 0.0) guess[guesses++] = contact.row;
-    }
-    qp = context.kernels.solve(contacts.ShiftedTarget().data(), context.sub_step.rigid, guess,
-                               guesses);
-    report.diagnostics.qp_iterations += qp.iterations;
-    return qp.status != QpStatus::kIterationLimit;
-  };
-  const auto holds = [&] {
-    return context.kernels.rows_hold(context.sub_step.rigid, contacts.x().data(),
-                                     contacts.tolerance());
-  };
+/// Returns false if the frictionless optima stay.
+template <int N>
+bool Solve(Party tools) {
+  Vec<N> t = Vec<N>::Zero();
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    const StepContext& tool = *tools[i];
+    const Optimum& optimum = tool.advance.optimum;
+    const double rho = tool.model.rotation_length(), scale = tool.Scale();
+    // The push of soft contacts is taken as it is without friction.
+    const Vec3 v = tool.sub_step.target.v + optimum.push;
+    const Vec3 phi = tool.sub_step.target.phi + optimum.push_torque / (rho * rho);
+    t.template segment<6>(6 * static_cast<int>(i)) << scale * v, scale * rho * phi;
+  }
+  FrictionalContacts<N> contacts(tools, t);
   bool solved = false, added = true;
   for (int round = 0; round < kRounds && added; ++round) {
-    solved = contacts.Solve(report);
-    bool held = solved && holds();
+    solved = contacts.Solve();
+    bool held = solved && contacts.Hold();
     for (int again = 1; again < kHolds && solved && !held && contacts.settled(); ++again) {
-      held = contacts.Settle(report) && holds();
+      held = contacts.Settle() && contacts.Hold();
     }
     if (held || !solved) break;
-    if (!solve_shifted()) return false;
-    added = false;
-    for (int i = 0; i < qp.active; ++i) added |= contacts.Add(qp.row[i]);
+    if (!contacts.SolveShifted()) return false;
+    added = contacts.AddRowsOfShifted();
     solved = !added;
-    if (solved) contacts.Follow(qp.x);  // what is violated is what they yield
+    if (solved) contacts.Follow();  // what is violated is what they yield
   }
   if (!solved) {
-    optimum.friction_unsolved = true;
+    for (StepContext* tool : tools) tool->advance.optimum.friction_unsolved = true;
     contacts.Begin();
   }
-  for (int projection = 0; !solved; ++projection) {
+  for (int projection = 0, most = kMaxActiveRows * N / 6; !solved; ++projection) {
     // One for each contact, and one more.
-    if (projection > kMaxActiveRows + 1 || !solve_shifted()) return false;
-    if (!contacts.Project(qp)) break;
+    if (projection > most + 1 || !contacts.SolveShifted()) return false;
+    if (!contacts.Project()) break;
   }
-  if (contacts.slides()) context.friction.still = 0;
-  optimum.friction_yielded = solved && !contacts.settled();
-  Vec6::Map(optimum.qp.x) = solved ? contacts.x() : Vec6::Map(qp.x);
-  contacts.Write(context.friction, optimum.qp, optimum.friction);
-  const Vec3 phi = Vec3::Map(optimum.qp.x + 3) / context.model.rotation_length();
-  if (phi.norm() <= context.model.parameters().max_rotation) {
-    Vec3::Map(optimum.qp.x) -= contacts.Creep(phi);
+  contacts.Write(solved);
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    StepContext& tool = *tools[i];
+    Optimum& optimum = tool.advance.optimum;
+    if (contacts.Slides(i)) tool.friction.still = 0;
+    optimum.friction_yielded = solved && !contacts.settled();
+    Vec3::Map(optimum.qp.x) -= contacts.Creep(i);
   }
   return true;
 }
 
 }  // namespace
 
-void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept {
-  FrictionState& state = context.friction;
-  if (context.report().diagnostics.substeps == 0 &&
-      state.still < context.model.parameters().still_cycles) {
-    ++state.still;
+void AddCoulombFriction(Party tools) noexcept {
+  for (StepContext* tool : tools) {
+    FrictionState& state = tool->friction;
+    if (tool->report().diagnostics.substeps == 0 &&
+        state.still < tool->model.parameters().still_cycles) {
+      ++state.still;
+    }
+    tool->advance.optimum.has_friction = true;
   }
-  const double rho = context.model.rotation_length();
-  // The push of soft contacts is taken as it is without friction.
-  const Vec3 v = context.sub_step.target.v + optimum.push;
-  const Vec3 phi = context.sub_step.target.phi + optimum.push_torque / (rho * rho);
-  Vec6 t;
-  t << v, rho * phi;
-  optimum.has_friction = true;
-  if (!Solve(context, optimum, t)) {
-    for (Vec3& force : optimum.friction) force.setZero();
-    state.contacts = 0;
+  const bool solved = tools.size() == 1   ? Solve<6>(tools)
+                      : tools.size() == 2 ? Solve<12>(tools)
+                                          : Solve<24>(tools);
+  for (StepContext* tool : tools) {
+    Optimum& optimum = tool->advance.optimum;
+    if (!solved) {
+      for (Vec3& force : optimum.friction) force.setZero();
+      tool->friction.contacts = 0;
+    }
+    optimum.Take(tool->model.rotation_length());
   }
-  optimum.Take(rho);
 }
 
 }  // namespace palpate

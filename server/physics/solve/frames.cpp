@@ -14,12 +14,14 @@ Pose Between(const Pose& from, const Pose& to, double fraction) {
           (RotationExp(fraction * turn) * from.q).normalized()};
 }
 
-/// Calls visit(contact, frame) for each frame that can move.
+/// Calls visit(contact, frame) for each frame that can move, other tools apart.
 template <class Visit>
 void ForEachMoving(StepContext& context, Visit visit) {
   if (!context.buffers().meshes) return;
   std::vector<MeshContact>& of = context.buffers().meshes->of;
-  for (std::size_t i = 1; i < of.size(); ++i) visit(of[i], context.FrameOf(of[i]));
+  for (std::size_t i = 1; i < of.size(); ++i) {
+    if (context.ToolOf(of[i]) < 0) visit(of[i], context.FrameOf(of[i]));
+  }
 }
 
 FrameMotion MotionTo(const StepContext& context, const BodyFrame& frame, const Pose& to) {
@@ -42,12 +44,38 @@ StepBounds MotionOfFrames(StepContext& context) noexcept {
   return most;
 }
 
-void BeginFrames(StepContext& context, bool move) noexcept {
-  const StepBounds left = MotionOfFrames(context), bounds = context.sub_step.bounds;
-  context.sub_step.of_frames =
-      std::min(bounds.translation / std::max(left.translation, bounds.translation),
-               bounds.rotation / std::max(left.rotation, bounds.rotation));
-  PlaceFrames(context, move ? 1.0 : 0.0);
+void BeginFrames(Party tools, bool move) noexcept {
+  double part = 1.0;
+  for (StepContext* tool : tools) {
+    const StepBounds left = MotionOfFrames(*tool), bounds = tool->sub_step.bounds;
+    part = std::min({part, bounds.translation / std::max(left.translation, bounds.translation),
+                     bounds.rotation / std::max(left.rotation, bounds.rotation)});
+  }
+  for (StepContext* tool : tools) {
+    tool->sub_step.of_frames = part;
+    PlaceFrames(*tool, move ? 1.0 : 0.0);
+  }
+}
+
+void PlaceTools(Party tools) noexcept {
+  if (tools.size() == 1) return;
+  for (StepContext* tool : tools) {
+    for (MeshContact& contact : tool->buffers().meshes->of) {
+      const std::int32_t number = tool->ToolOf(contact);
+      if (number < 0) continue;
+      const StepContext& other = *tools[static_cast<std::size_t>(number)];
+      const Advance &step = tool->advance, &others = other.advance;
+      const auto pose = [&](const Vec3& p, const Quat& q) {
+        return Pose{p - q * other.model.reference(), q};
+      };
+      const Vec3 p_end = other.tools.p_G + others.v;
+      const Quat q_end = (RotationExp(others.phi) * other.tools.q_G).normalized();
+      Pose& X_WB = tool->FrameOf(contact).X_WB;
+      X_WB = pose(other.tools.p_G, other.tools.q_G);
+      contact.moved = FrameMotion(X_WB, pose(p_end, q_end), tool->tools.p_G, !tool->model.is_ball(),
+                                  {number, others.v, others.phi, tool->tools.p_G + step.v - p_end});
+    }
+  }
 }
 
 void PlaceFrames(StepContext& context, double fraction) noexcept {
@@ -57,8 +85,8 @@ void PlaceFrames(StepContext& context, double fraction) noexcept {
   });
 }
 
-bool MoveFrames(StepContext& context, const Advance& advance) noexcept {
-  const double part = advance.of_frames * context.sub_step.of_frames;
+bool MoveFrames(StepContext& context) noexcept {
+  const double part = context.advance.of_frames * context.sub_step.of_frames;
   bool moved = false;
   ForEachMoving(context, [&](const MeshContact& contact, BodyFrame& frame) {
     moved |= contact.moved.moves();

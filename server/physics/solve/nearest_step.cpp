@@ -1,3 +1,5 @@
+#include <memory>
+
 #include "server/physics/limits.h"
 #include "server/physics/solve/stages.h"
 
@@ -27,6 +29,132 @@ Optimum NearestStep(StepContext& context, const Target& target, bool with_energi
   }
   optimum.Take(rho);
   return optimum;
+}
+
+namespace {
+
+const ContactRows::Other* OtherOf(const ContactRows& rows, int row) {
+  return rows.with_others() && rows.other(row).tool >= 0 ? &rows.other(row) : nullptr;
+}
+
+/// Writes the rows of all tools side by side: a row a . x_i + a' . x_j >= b has a / sqrt(w_i) in
+/// the columns of i, and a' / sqrt(w_j) in those of j.  The last column is b.
+/// @param first  the first row of each tool
+template <int N>
+QpRowsOf<N> PutTogether(Party tools, int* first) {
+  AlignedColumns& columns = Lead(tools).together->columns;
+  const auto clear = [&](int row) {
+    for (std::size_t c = 0; c < N; ++c) columns[c][row] = 0.0;
+  };
+  int at = 0;
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    const ContactRows& rows = tools[i]->buffers().rows;
+    const QpRows& own = tools[i]->sub_step.rigid;
+    first[i] = at;
+    for (int r = 0; r < own.count; ++r, ++at) {
+      clear(at);
+      for (std::size_t c = 0; c < 6; ++c) {
+        columns[6 * i + c][at] = own.a[c][r] / tools[i]->Scale();
+      }
+      columns[N][at] = own.b[r];
+      const ContactRows::Other* other = OtherOf(rows, r);
+      if (other == nullptr) continue;
+      const auto j = static_cast<std::size_t>(other->tool);
+      const double scale = tools[j]->Scale(), rho = tools[j]->model.rotation_length();
+      for (std::size_t c = 0; c < 3; ++c) {
+        columns[6 * j + c][at] = other->v[c] / scale;
+        columns[6 * j + 3 + c][at] = other->phi[c] / (rho * scale);
+      }
+    }
+  }
+  first[tools.size()] = Lead(tools).together->rows = at;
+  QpRowsOf<N> all{{}, columns[N], at};
+  for (std::size_t c = 0; c < N; ++c) all.a[c] = columns[c];
+  for (; at % 16 != 0; ++at) {
+    clear(at);
+    columns[N][at] = -1e300;
+  }
+  return all;
+}
+
+template <int N>
+void SolveTogether(Party tools, const double* t, std::span<const ToolRow> guess,
+                   QpResultOf<N> (*solve)(const double*, const QpRowsOf<N>&, const int*, int)) {
+  int first[kMostTools + 1], guessed[N + 1], guesses = 0;
+  const QpRowsOf<N> rows = PutTogether<N>(tools, first);
+  for (const ToolRow& row : guess) {
+    if (guesses <= N) guessed[guesses++] = first[row.tool] + row.row;
+  }
+  const QpResultOf<N> qp = solve(t, rows, guessed, guesses);
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    std::construct_at(&tools[i]->nearest);
+    QpResult& of_tool = tools[i]->nearest.qp;
+    for (std::size_t c = 0; c < 6; ++c) of_tool.x[c] = qp.x[6 * i + c] / tools[i]->Scale();
+    of_tool.slack = qp.slack;
+    of_tool.iterations = qp.iterations;
+    of_tool.status = qp.status;
+  }
+  for (int k = 0; k < qp.active; ++k) {
+    std::size_t i = 0;
+    while (qp.row[k] >= first[i + 1]) ++i;
+    const int row = qp.row[k] - first[i];
+    if (const auto* other = OtherOf(tools[i]->buffers().rows, row); other != nullptr) {
+      tools[static_cast<std::size_t>(other->tool)]->nearest.is_touched = true;
+    }
+    QpResult& of_tool = tools[i]->nearest.qp;
+    if (of_tool.active == kMaxActiveRows) continue;  // its force counts in x
+    of_tool.row[of_tool.active] = row;
+    of_tool.multiplier[of_tool.active++] = qp.multiplier[k] / tools[i]->weight;
+  }
+}
+
+}  // namespace
+
+void SolveRows(Party tools, const double* t, std::span<const ToolRow> guess) noexcept {
+  StepContext& lead = Lead(tools);
+  if (tools.size() == 1) {
+    int rows[kMaxActiveRows], guesses = 0;
+    for (const ToolRow& row : guess) rows[guesses++] = row.row;
+    lead.nearest.qp = lead.kernels.solve(t, lead.sub_step.rigid, rows, guesses);
+  } else if (tools.size() == 2) {
+    SolveTogether(tools, t, guess, lead.kernels.solve_two);
+  } else {
+    SolveTogether(tools, t, guess, lead.kernels.solve_four);
+  }
+}
+
+bool RowsHold(Party tools, const double* x, double tolerance) noexcept {
+  const StepContext& lead = Lead(tools);
+  if (tools.size() == 1) return lead.kernels.rows_hold(lead.sub_step.rigid, x, tolerance);
+  const AlignedColumns& columns = lead.together->columns;
+  const std::size_t n = tools.size() == 2 ? 12 : 24;
+  for (int r = 0; r < lead.together->rows; ++r) {
+    double left = -columns[n][r];
+    for (std::size_t c = 0; c < n; ++c) left += columns[c][r] * x[c];
+    if (left < -tolerance) return false;
+  }
+  return true;
+}
+
+void NearestSteps(Party tools, bool with_energies) noexcept {
+  StepContext& lead = Lead(tools);
+  if (tools.size() == 1) {
+    lead.nearest = NearestStep(lead, lead.goal, with_energies);
+    return;
+  }
+  double t[6 * kMostTools] = {};
+  ToolRow guess[kMaxActiveRows * kMostTools];
+  std::size_t guesses = 0;
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    const StepContext& tool = *tools[i];
+    Eigen::Map<Vec6>(t + 6 * i) << tool.Scale() * tool.goal.v,
+        tool.Scale() * tool.model.rotation_length() * tool.goal.phi;
+    int found[kMaxActiveRows];
+    const int count = tool.buffers().rows.Find(tool.sub_step.active, found);
+    for (int k = 0; k < count; ++k) guess[guesses++] = {i, found[k]};
+  }
+  SolveRows(tools, t, {guess, guesses});
+  for (StepContext* tool : tools) tool->nearest.Take(tool->model.rotation_length());
 }
 
 bool RoundCreases(StepContext& context, Optimum& optimum) noexcept {

@@ -69,7 +69,8 @@ void PredictLeaves(StepContext& context) noexcept {
   PredictContacts(context);
 }
 
-bool Foresees(StepContext& context, const Advance& advance) noexcept {
+bool Foresees(StepContext& context) noexcept {
+  const Advance& advance = context.advance;
   SubStep& sub_step = context.sub_step;
   if (sub_step.predictions == 0) return true;
   const StepEnds& ends = sub_step.ends;

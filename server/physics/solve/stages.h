@@ -34,15 +34,28 @@ double FractionWithin(const StepBounds& bounds, const Vec3& v, const Vec3& phi) 
 /// smooth bodies that lie along each other, only the last cycle's contacts give rows at first:
 /// the others follow from where the tool goes (Foresees).
 void PredictLeaves(StepContext& context) noexcept;
-/// Returns whether the rows between leaves cover the end of an advance.  If not, predicts those
+/// Returns whether the rows between leaves cover the end of the candidate.  If not, predicts those
 /// near it: the optimum must then be solved again.
-bool Foresees(StepContext& context, const Advance& advance) noexcept;
+bool Foresees(StepContext& context) noexcept;
 
 /// Returns the step nearest to a target under the context's rigid rows and, if asked for, the
 /// energies that act beside the coupling's.  The solver's first guess is the sub-step's active
 /// rows.
 Optimum NearestStep(StepContext& context, const Target& target,
                     bool with_energies = false) noexcept;
+
+/// NearestStep for each tool, from its `goal` to `nearest`; those of several tools together, under
+/// the rows of all.
+/// @param with_energies  of a lone tool
+void NearestSteps(Party tools, bool with_energies = false) noexcept;
+
+/// Returns in each tool's `nearest.qp` the point y nearest to t under the rows of all tools,
+/// without energies.  With w_i a tool's `weight`, y has the blocks sqrt(w_i) x_i, x_i = [v; rho
+/// phi]: the springs' energies over k_t of the first are 1/2 |y - t|^2.  `guess`: as
+/// SolveNearestPoint's.
+void SolveRows(Party tools, const double* t, std::span<const ToolRow> guess) noexcept;
+/// Returns whether the rows that SolveRows solved for hold at y.
+bool RowsHold(Party tools, const double* y, double tolerance) noexcept;
 
 /// Corrects the optimum of a ball under straight rows for rows that turn about an edge or corner of
 /// a mesh.  Returns false, without a change, if no row turns.  (Drawing: contact/README.md.)
@@ -52,22 +65,23 @@ Optimum NearestStep(StepContext& context, const Target& target,
 /// t + sum l_i K_i x.  For a single edge its direction is exact.
 bool RoundCreases(StepContext& context, Optimum& optimum) noexcept;
 
-/// Moves a sub-step's optimum to the frictional one (FrictionModel::kCoulomb).  friction.md has the
-/// problem, the method and its reasons.
-/// @param optimum  in: the frictionless optimum, with at least one active row; if some rows are
-///                 soft, the target is shifted by their push there (soft contacts are smooth).
-///                 Out: its active rows are all those that carry force.
-/// Changes the context's friction.  Counts cycles in the first sub-step of each.  If it does not
+/// Moves the optimum of each tool's advance to the frictional one (FrictionModel::kCoulomb).
+/// friction.md has the problem, the method and its reasons.
+///
+/// In: the frictionless optima, with at least one active row; if some rows are soft, the target is
+/// shifted by their push there (soft contacts are smooth).  Out: their active rows are all those
+/// that carry force.
+/// Changes the contexts' friction.  Counts cycles in the first sub-step of each.  If it does not
 /// converge, the optimum says so, and the last cycle's forces are used within the limits that the
 /// normal forces give; rows hold and forces add up even then.
-void AddCoulombFriction(StepContext& context, Optimum& optimum) noexcept;
+void AddCoulombFriction(Party tools) noexcept;
 
 /// Stores the rows that hold the tool at an optimum, except for those that are loose: the solver's
 /// next first guess.
 void Remember(StepContext& context, const Optimum& optimum) noexcept;
 
-/// Computes the motion of a sub-step towards an optimum, as far as the bounds and the meshes allow
-/// it.  Returns false if rows changed: the optimum must then be solved again.
+/// Computes the motions of a sub-step towards the optima, as far as the bounds and the meshes allow
+/// them.  Returns false if rows changed: the optima must then be solved again.
 ///
 /// If only leaves touch, the rows cover everything within the bounds.  Between meshes rows are
 /// added on violation, so a motion is made only after it was checked: the meshes are apart at its
@@ -75,8 +89,10 @@ void Remember(StepContext& context, const Optimum& optimum) noexcept;
 /// in a trust region a quarter as wide.  If a motion is still not free in the end, it is halved
 /// until it is; the zero motion always is.  The tool counts as arrived only if the pairs that hold
 /// it touch.
-/// @param advance  in: its optimum.  Out: its motion, if true; another optimum if that is freer.
-bool MakeAdvance(StepContext& context, Advance& advance) noexcept;
+///
+/// Each tool's `advance`, in: its optimum.  Out: its motion, if true; another optimum if that is
+/// freer.
+bool MakeAdvance(Party tools) noexcept;
 
 /// Returns by how much the frames are to move and turn in this step, at most, where the tool is
 /// [m], [rad].
@@ -84,20 +100,28 @@ bool MakeAdvance(StepContext& context, Advance& advance) noexcept;
 StepBounds MotionOfFrames(StepContext& context) noexcept;
 /// Begins a sub-step of the frames: they make what their motion has left, or the part of it that a
 /// tool which they push can follow within the bounds; or they stand.
-void BeginFrames(StepContext& context, bool move) noexcept;
+void BeginFrames(Party tools, bool move) noexcept;
 /// Sets the frames' motion in the sub-step to a fraction of that part.
 void PlaceFrames(StepContext& context, double fraction) noexcept;
-/// Moves the frames with an advance: where the tool cannot give way, all stop.  Returns whether all
-/// are where they are to be.
-bool MoveFrames(StepContext& context, const Advance& advance) noexcept;
+/// Sets the motion of those frames that are other tools to the candidates of these.
+void PlaceTools(Party tools) noexcept;
+/// Moves the frames with the advance: where the tool cannot give way, all stop.  Returns whether
+/// all are where they are to be.
+bool MoveFrames(StepContext& context) noexcept;
 
 /// For all frames of bodies, CheckCandidate and GiveUpRegain of contact/sub_step.h.
-bool CheckCandidate(StepContext& context, const Vec3& v, const Vec3& phi) noexcept;
-bool GiveUpRegain(StepContext& context) noexcept;
+bool CheckCandidate(Party tools) noexcept;
+bool GiveUpRegain(Party tools) noexcept;
+/// Returns whether the candidates end no farther from the hands than they begin: in sum, each by
+/// its spring's energy.  A step that stays within the reach of contact may pay for separation that
+/// it regains.  A body that moves may push a tool away.
+bool AdvancesApproach(Party tools) noexcept;
 
 /// Writes the contacts at the optimum into the context's report, relative to where the advance has
 /// taken the tool: each contact's force, the gap that its row has left there, and where it touches.
-void ReportContacts(StepContext& context, const Advance& advance) noexcept;
+void ReportContacts(StepContext& context) noexcept;
+/// Then adds to each tool's report the contacts that it has by rows of other tools.
+void ReportTouches(Party tools) noexcept;
 
 /// Adds friction by FrictionModel::kChapter: 2.25-2.34 as written, for reproduction, once at the
 /// end of a cycle whose frictionless step has arrived.  Compares how far the equivalent contact

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "common/math/pose.h"
@@ -10,6 +11,7 @@
 #include "server/physics/haptic_model.h"
 #include "server/physics/rows/contact_prediction.h"
 #include "server/physics/rows/contact_rows.h"
+#include "server/physics/simd/aligned_columns.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/solve/energies.h"
 #include "server/physics/solve/response.h"
@@ -33,10 +35,11 @@ struct Optimum {
   FrictionForces friction;  ///< if so: for each active row of the QP
   bool rounds = false;      ///< whether it includes the curvature of a ball's rows
   bool is_pushed = false;   ///< whether energies push
+  bool is_touched = false;  ///< whether rows of other tools, which name this one, are active
   Vec3 push = Vec3::Zero(), push_torque = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
   /// Returns whether anything holds the tool.
-  bool IsHeld() const { return qp.active != 0 || is_pushed; }
+  bool IsHeld() const { return qp.active != 0 || is_pushed || is_touched; }
 
   /// Call after a solver has written `qp`; one that is not a number counts as unsolved.
   void Take(double rotation_length) {
@@ -105,7 +108,13 @@ struct Outcome {
 struct StepBuffers {
   explicit StepBuffers(const HapticModel& model)
       : prediction(model),
-        rows(model.parameters().max_rows, model.rotation_length(), !model.is_ball()) {
+        tool_of_frame(CountFrames(model.bodies()), -1),
+        rows(model.parameters().max_rows, model.rotation_length(), !model.is_ball(),
+             std::ranges::any_of(model.bodies(),
+                                 [](const ContactBody& body) { return body.tool >= 0; })) {
+    for (const ContactBody& body : model.bodies()) {
+      if (body.tool >= 0) tool_of_frame[static_cast<std::size_t>(body.frame)] = body.tool;
+    }
     if (model.tool_body() != nullptr) {
       meshes.emplace(*model.tool_body(), model.bodies(), model.parameters().max_rows,
                      model.parameters().separation, model.parameters().queries);
@@ -114,10 +123,13 @@ struct StepBuffers {
     if (energies->empty()) energies.reset();
   }
   ContactPrediction prediction;
+  std::vector<std::int32_t> tool_of_frame;  ///< the tool that a frame is; negative: none
   ContactRows rows;
   std::optional<BodyContact> meshes;  ///< if objects are touched by their meshes
   std::optional<Energies> energies;   ///< if any can act beside the coupling
 };
+
+struct Together;
 
 /// The data that the stages of a step share, from the incoming pose to the outgoing
 /// report.  Each step has one, on its stack; each stage fills what the next ones read, in
@@ -155,19 +167,6 @@ struct StepContext {
     return 2.0 * (step_v.dot(sub_step.target.v) + rho2 * step_phi.dot(sub_step.target.phi)) -
            length2;
   }
-  /// Returns whether a step to an optimum, or a fraction of it, ends no farther from the hand than
-  /// it begins.  A step that stays within the reach of contact may pay for separation that it
-  /// regains.  A body that moves may push it away.
-  bool Approaches(const Optimum& optimum, const Vec3& v, const Vec3& phi) const {
-    if (BodiesMove()) return true;
-    const BodyContact& meshes = *buffers_.meshes;
-    const double length = v.norm() + meshes.a().mesh.reach() * phi.norm();
-    double price = 0.0;
-    if (length <= meshes.margins().touching) {
-      for (const MeshContact& contact : meshes.of) price += PriceOfRegain(contact, optimum.qp);
-    }
-    return Gain(v, phi) + 2.0 * price >= 0.0;
-  }
   BodyFrame& FrameOf(const MeshContact& contact) {
     return state_.frames[static_cast<std::size_t>(contact.meshes.frame)];
   }
@@ -179,16 +178,23 @@ struct StepContext {
     return {X_WB.Inverse() * tools.p_G,
             model.is_ball() ? q : Quat((X_WB.q.conjugate() * q).normalized())};
   }
-  /// Returns how the body moves that a row touches; null if it is in W.
+  /// Returns how the body moves that a row touches; null if it is in W, or a tool.
   const FrameMotion* MotionOf(const ContactId& id) const {
     const auto body = static_cast<std::size_t>(id.body);
     if (id.IsOfLeaves() || body >= model.bodies().size()) return nullptr;
     const auto frame = static_cast<std::size_t>(model.bodies()[body].frame);
-    return frame == 0 ? nullptr : &buffers_.meshes->of[frame].moved;
+    if (frame == 0 || buffers_.tool_of_frame[frame] >= 0) return nullptr;
+    return &buffers_.meshes->of[frame].moved;
   }
-  /// Returns whether bodies move in this sub-step.
+  /// Returns the number of the tool that a frame is; negative: it is none.
+  std::int32_t ToolOf(const MeshContact& contact) const {
+    return buffers_.tool_of_frame[static_cast<std::size_t>(contact.meshes.frame)];
+  }
+  /// Returns whether bodies move in this sub-step, other tools apart.
   bool BodiesMove() const {
-    const auto moves = [](const MeshContact& contact) { return contact.moved.moves(); };
+    const auto moves = [](const MeshContact& contact) {
+      return !contact.moved.is_tool() && contact.moved.moves();
+    };
     return buffers_.meshes && std::ranges::any_of(buffers_.meshes->of, moves);
   }
   /// Sets the target: the hand relative to the tool.
@@ -214,12 +220,40 @@ struct StepContext {
   CycleCost cost;
   SubStep sub_step;
   FrictionState friction;  ///< with friction: what the state takes over if the tool advances
+  Target goal;             ///< of NearestSteps
+  Optimum nearest;         ///< its result
+  Advance advance;         ///< the candidate
   Outcome outcome;
+  // Of a tool that is stepped together with others:
+  double weight = 1.0;  ///< its k_t over that of the first
+  double Scale() const { return std::sqrt(weight); }
+  Together* together = nullptr;  ///< null if it is alone
 
  private:
   StepState& state_;
   StepBuffers& buffers_;
   StepReport& report_;
+};
+
+/// The tools of a step, by their numbers; nearly always one.  What they share, such as the count of
+/// iterates, is kept by the first.
+using Party = std::span<StepContext* const>;
+inline StepContext& Lead(Party tools) {
+  return *tools.front();
+}
+
+/// A row of a tool.
+struct ToolRow {
+  std::size_t tool;
+  int row;
+  bool operator==(const ToolRow&) const = default;
+};
+
+/// The scratch memory of a step of several tools: their rows side by side, of 24 unknowns at most.
+struct Together {
+  explicit Together(int most_rows) : columns(25, static_cast<std::size_t>(most_rows + 16)) {}
+  AlignedColumns columns;
+  int rows = 0;
 };
 
 }  // namespace palpate

@@ -68,6 +68,7 @@ struct ContactBody {
   Placement X_BS;
   std::int32_t first_leaf = 0;  ///< in the forest
   std::int32_t frame = 0;       ///< number of B: bodies of one frame stand still to each other
+  std::int32_t tool = -1;       ///< number of the tool that it is, or negative (PlacedTree)
 };
 
 /// A body A that moves against them, as contact sees it, about its reference point: its shape

@@ -39,32 +39,35 @@ struct Problem {
   int rows() const { return static_cast<int>(b.size()); }
 };
 
-QpResult SolverOf(const Problem& problem, const std::vector<int>& guess = {}) {
+template <int N = kN>
+QpResultOf<N> SolverOf(const Problem& problem, const std::vector<int>& guess = {}) {
   const int m = problem.rows(), padded = std::max(16, (m + 15) & ~15);
-  std::vector<double> storage(static_cast<std::size_t>(7 * padded + 8), 0.0);
+  std::vector<double> storage(static_cast<std::size_t>((N + 1) * padded + 8), 0.0);
   const auto address = reinterpret_cast<std::uintptr_t>(storage.data());
   double* const base = storage.data() + (64 - address % 64) % 64 / sizeof(double);
-  QpRows rows{};
-  for (int c = 0; c < kN; ++c) {
+  QpRowsOf<N> rows{};
+  for (int c = 0; c < N; ++c) {
     for (int i = 0; i < m; ++i) base[c * padded + i] = static_cast<double>(problem.A(i, c));
     rows.a[c] = base + c * padded;
   }
-  double* const b = base + kN * padded;
+  double* const b = base + N * padded;
   for (int i = 0; i < padded; ++i) b[i] = i < m ? static_cast<double>(problem.b[i]) : -1e300;
   rows.b = b;
   rows.count = m;
-  double t[kN];
-  for (int c = 0; c < kN; ++c) t[c] = static_cast<double>(problem.t[c]);
+  double t[N];
+  for (int c = 0; c < N; ++c) t[c] = static_cast<double>(problem.t[c]);
   return SolveNearestPoint(t, rows, guess.data(), static_cast<int>(guess.size()));
 }
 
-Vec PointOf(const QpResult& result) {
-  return Eigen::Map<const Eigen::Matrix<double, kN, 1>>(result.x).cast<Real>();
+template <int N>
+Vec PointOf(const QpResultOf<N>& result) {
+  return Eigen::Map<const Eigen::Matrix<double, N, 1>>(result.x).template cast<Real>();
 }
 
 /// Largest violation of the optimality conditions, each over the size of its terms, so that rows of
 /// any length count alike.
-Real KktResidual(const Problem& problem, const QpResult& result) {
+template <int N>
+Real KktResidual(const Problem& problem, const QpResultOf<N>& result) {
   const Vec x = PointOf(result);
   Vec gradient = x - problem.t;
   Real worst = 0, sum = 0, pushes = 1 + problem.t.norm();
@@ -89,9 +92,10 @@ Real KktResidual(const Problem& problem, const QpResult& result) {
   return worst;
 }
 
-void ExpectSound(const Problem& problem, const QpResult& result, int trial) {
+template <int N>
+void ExpectSound(const Problem& problem, const QpResultOf<N>& result, int trial) {
   ASSERT_NE(result.status, QpStatus::kIterationLimit) << trial;
-  ASSERT_LE(result.active, kMaxActiveRows) << trial;
+  ASSERT_LE(result.active, N + 1) << trial;
   const std::set<int> distinct(result.row, result.row + result.active);
   EXPECT_EQ(distinct.size(), static_cast<std::size_t>(result.active)) << trial;
   for (const int row : distinct) ASSERT_TRUE(row >= 0 && row < problem.rows()) << trial;
@@ -226,6 +230,61 @@ TEST(NearestPoint, MeetsTheConditionsOfOptimalityOnThousandsOfRowsThatAPointSati
     moved += result.active > 0;
   }
   EXPECT_GT(moved, trials / 2);
+}
+
+/// Rows of which each names at most two of N / 6 blocks of unknowns, as contacts of two bodies do.
+template <int N>
+Problem BlockProblem(Random& random, int m, bool feasible) {
+  Problem problem{Vec::Zero(N), Mat::Zero(m, N), Vec(m)};
+  Vec inside(N);
+  for (int block = 0; block < N / 6; ++block) {
+    problem.t.segment<6>(6 * block) = Uniform(random, 1.0);
+    inside.segment<6>(6 * block) = Uniform(random, 1.0);
+  }
+  for (int i = 0; i < m; ++i) {
+    const int one = random.Below(N / 6), two = random.Below(N / 6);
+    const int other = i > 0 ? random.Below(i) : 0;
+    problem.A.row(i).segment<6>(6 * one) = Uniform(random, 1.0).transpose();
+    if (random.Below(3) > 0) {
+      // Equal and opposite for the translations, as contacts push.
+      problem.A.row(i).segment<6>(6 * two) = Uniform(random, 1.0).transpose();
+      problem.A.row(i).segment<3>(6 * two) = -problem.A.row(i).segment<3>(6 * one);
+    }
+    if (i > 0 && random.Below(6) == 0) problem.A.row(i) = problem.A.row(other);
+    if (i > 0 && random.Below(6) == 0) problem.A.row(i) = -problem.A.row(other);
+    problem.A.row(i) = problem.A.row(i).cast<double>().cast<Real>().eval();
+    const Real room = feasible ? random.Uniform(0.0, 0.3) : random.Uniform(-0.3, 0.1);
+    problem.b[i] =
+        static_cast<double>(problem.A.row(i).dot(inside) - room * problem.A.row(i).norm());
+  }
+  problem.t = problem.t.cast<double>().cast<Real>();
+  return problem;
+}
+
+template <int N>
+void SolveBlocks(std::uint64_t seed, Real most, Real most_relaxed) {
+  Random random(seed);
+  int several = 0, relaxed = 0;
+  for (int trial = 0; trial < (test::kOptimised ? 1500 : 60); ++trial) {
+    const Problem problem = BlockProblem<N>(random, 1 + random.Below(120), trial % 4 != 0);
+    const QpResultOf<N> result = SolverOf<N>(problem);
+    ASSERT_NO_FATAL_FAILURE(ExpectSound(problem, result, trial));
+    if (trial % 4 != 0) ASSERT_EQ(result.status, QpStatus::kSolved) << trial;
+    relaxed += result.status == QpStatus::kRelaxed ? 1 : 0;
+    several += result.active > N / 2 ? 1 : 0;
+    EXPECT_LT(KktResidual(problem, result),
+              result.status == QpStatus::kSolved ? most : most_relaxed)
+        << trial;
+    const QpResultOf<N> warm = SolverOf<N>(problem, {result.row, result.row + result.active});
+    EXPECT_LT((PointOf(warm) - PointOf(result)).norm(), 1e-12) << trial;
+  }
+  EXPECT_GT(several, test::kOptimised ? 100 : 1);
+  EXPECT_GT(relaxed, test::kOptimised ? 100 : 1);
+}
+
+TEST(NearestPoint, MeetsTheConditionsOfOptimalityForSeveralBlocks) {
+  SolveBlocks<12>(107, 2 * kSolvedResidual, 4 * kRelaxedResidual);
+  SolveBlocks<24>(108, 2 * kSolvedResidual, 4 * kRelaxedResidual);
 }
 
 TEST(NearestPoint, SolvesFansOfNearlyParallelRowsThatAPointSatisfiesWithRoom) {

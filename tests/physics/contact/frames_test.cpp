@@ -207,21 +207,26 @@ TEST(Frames, AreNeverEnteredHoweverTheyMove) {
   }
 }
 
-// A plate that comes up under a hand that stands still.
+// A plate that comes up under a hand that stands still, and goes down again: nothing is felt of
+// where it was, even where a hand that jumps lags behind.
 TEST(Frames, PushAToolThatIsInTheirWay) {
   Scene scene = BoxInAGroove();
-  const HapticModel model = ModelOf(scene, {1, 0, 0}, FrictionModel::kOff);
-  StepWorkspace workspace(model);
-  StepState state(model);
-  const double floor = -0.010, half = 0.0055;
-  for (int i = 0; i <= 300; ++i) {
-    const double up = 3e-5 * i;
-    state.frames[1].X_WB_next.p.z() = up;
-    const StepReport report = HapticStep(model, Pose{}, state, workspace);
-    const double depth = floor + up + half;
-    EXPECT_EQ(state.frames[1].X_WB.p.z(), up) << i;
-    EXPECT_NEAR(report.wrench.force.z(), 1000.0 * std::max(0.0, depth), 2e-3) << i;
-    EXPECT_NEAR(report.wrench.force.head<2>().norm(), 0.0, 2e-3) << i;
+  for (const FrictionModel friction : {FrictionModel::kOff, FrictionModel::kCoulomb}) {
+    const HapticModel model = ModelOf(scene, {1, 0, 0}, friction);
+    StepWorkspace workspace(model);
+    StepState state(model);
+    const double floor = -0.010, half = 0.0055;
+    for (int i = 0; i <= 900; ++i) {
+      const double up = 1e-5 * (300 - std::abs(i % 600 - 300)) * 3.0;
+      const double hand = i > 600 ? -0.0001 * (i % 2) : 0.0;
+      state.frames[1].X_WB_next.p.z() = up;
+      const StepReport report =
+          HapticStep(model, {Vec3(0.0, 0.0, hand), Quat::Identity()}, state, workspace);
+      const double depth = floor + up + half - hand;
+      EXPECT_EQ(state.frames[1].X_WB.p.z(), up) << i;
+      EXPECT_NEAR(report.wrench.force.z(), 1000.0 * std::max(0.0, depth), 2e-3) << i;
+      EXPECT_NEAR(report.wrench.force.head<2>().norm(), 0.0, 2e-3) << i;
+    }
   }
 }
 

@@ -12,6 +12,14 @@
 namespace palpate {
 namespace {
 
+/// AddCoulombFriction for a lone tool.
+void AddFriction(StepContext& context, Optimum& optimum) {
+  StepContext* const alone[] = {&context};
+  context.advance.optimum = optimum;
+  AddCoulombFriction(alone);
+  optimum = context.advance.optimum;
+}
+
 using namespace test;
 
 constexpr double kStiffness = 1000.0;
@@ -397,7 +405,7 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
           context.sub_step.target = target;
           context.sub_step.rigid = rows.view();
           context.friction = state.friction;
-          AddCoulombFriction(context, optimum);
+          AddFriction(context, optimum);
           state.friction = context.friction;
           if (optimum.friction_yielded || optimum.friction_unsolved) {
             ++not_solved;
@@ -471,7 +479,7 @@ void ExpectTheLaw(const std::vector<Corner>& corners, std::vector<Target> target
     context.sub_step.target = target;
     context.sub_step.rigid = rows.view();
     context.friction = state.friction;
-    AddCoulombFriction(context, optimum);
+    AddFriction(context, optimum);
     state.friction = context.friction;
     ASSERT_FALSE(optimum.friction_unsolved) << which;
     // A newton presses a contact 1 nm into its row.
@@ -602,7 +610,7 @@ TEST(Friction, MinimisesAsABruteForceSolverDoes) {
       context.sub_step.rigid = rows.view();
       Optimum optimum;
       optimum.qp = frictionless;
-      AddCoulombFriction(context, optimum);
+      AddFriction(context, optimum);
       const QpResult& qp = optimum.qp;
       const Problem::Vec6 x = Problem::Vec6::Map(qp.x);
       if (optimum.friction_yielded || optimum.friction_unsolved ||
