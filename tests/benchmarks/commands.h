@@ -60,6 +60,7 @@ void AddPeers(const CommandLine& app);
 void AddProbe(const CommandLine& app);
 void AddQp(const CommandLine& app);
 void AddStability(const CommandLine& app);
+void AddTogether(const CommandLine& app);
 void AddTree(const CommandLine& app);
 void AddTruth(const CommandLine& app);
 

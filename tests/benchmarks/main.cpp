@@ -35,6 +35,7 @@ int Main(int argc, char** argv) {
   AddProbe(app);
   AddQp(app);
   AddStability(app);
+  AddTogether(app);
   AddTree(app);
   AddTruth(app);
   ParseCommandLine(app, argc, argv);

@@ -50,6 +50,17 @@ TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
   EXPECT_LT(json["jump"]["force_N_max"], 1.0);
 }
 
+TEST_F(PalpateBench, TogetherStepsTwoToolsThatBalance) {
+  const nlohmann::json json =
+      Figures({"together", "--scene", "bunny-bunny", "--steps", "1500", "--repeats", "1"});
+  EXPECT_EQ(json["steps"], 1500);
+  EXPECT_GT(json["together_us"]["p50"], 0.0);
+  EXPECT_LT(json["late_together"], 150);
+  EXPECT_LE(json["unbalanced_max"], 1e-9);
+  EXPECT_EQ(Run({"together", "--scene", "cube"}), 1);
+  EXPECT_THAT(said_, HasSubstr("a tool that is no ball"));
+}
+
 TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
   // The leaves lie inside the meshes, so the meshes meet first.
   const nlohmann::json json = Figures(
