@@ -1,6 +1,7 @@
 import {say, type Words} from "../messages/say";
 import {norm} from "../base/pose";
 import {ownText} from "../model/local_text";
+import {reasonWords, sayReason} from "../model/reasons";
 import {nameOf, tellNames} from "../model/names";
 import type {Station} from "../model/station";
 import {kTopics, type World} from "../model/world";
@@ -183,7 +184,7 @@ export class ClassRoom {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
-      this.room.tell(note !== "" ? note : () => say("class.begun"));
+      this.room.tell(note !== "" ? reasonWords(note) : () => say("class.begun"));
       for (const [id, {session}] of this.world.stations)
         if (session?.phase === "held") this.operate("admit", id);
     });
@@ -216,7 +217,7 @@ export class ClassRoom {
     const tag = (this.tag += 1);
     this.room.tell("");
     this.waiting.set(tag, (answer) => {
-      if (answer.refusal !== "") refused(answer.refusal);
+      if (answer.refusal !== "") refused(reasonWords(answer.refusal));
       else done(answer);
     });
     setTimeout(() => {
@@ -259,7 +260,7 @@ function trialOf({trial}: Person): Pick<OnWall, "trial" | "trialFails"> {
     trial: say("class.trial", {
       exercise,
       n,
-      state: say(`exercises.${key}`, {ahead, reason, points}),
+      state: say(`exercises.${key}`, {ahead, reason: sayReason(reason), points}),
     }),
     trialFails: phase === "unscored" || phase === "unentered",
   };

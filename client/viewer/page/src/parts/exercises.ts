@@ -1,6 +1,7 @@
 import {say} from "../messages/say";
 import {Guide} from "../model/guide";
 import {ownText, scoreLink} from "../model/local_text";
+import {sayReason} from "../model/reasons";
 import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
 import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
@@ -193,7 +194,7 @@ export class Exercises {
     row.append(make("b", said), make("span", verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
     // Not only where a pointer rests: a phone has none.
-    if (points === null) row.append(make("span", {className: "quiet"}, trial.reason));
+    if (points === null) row.append(make("span", {className: "quiet"}, sayReason(trial.reason)));
     if (trial.submitted) row.append(make("span", say("exercises.submitted")));
     else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;
@@ -240,7 +241,8 @@ export class Exercises {
     const over = !this.isBusy;
     setText(this.what, `${ownText(exercise.title)}: ${ownText(exercise.goal)}`);
     const points = Math.round(trial.points ?? 0);
-    const {reason, ahead = 0} = trial;
+    const {ahead = 0} = trial;
+    const reason = sayReason(trial.reason);
     const verdict = verdictOf(trial);
     setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason, ahead}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";
