@@ -559,6 +559,10 @@ TEST(ScoreReport, SaysHowFarTheTaskIsDoneAndWhatThatTakesFromCare) {
   EXPECT_NEAR(trial["marks"][1]["points"], 60.0, 0.1);
   EXPECT_EQ(trial["marks"][1]["ungated"], 100.0);
   EXPECT_THAT(ToText(ReportOf({0.004})), Not(HasSubstr("of the task"))) << "nothing gates";
+  std::swap(criteria.criteria[0].gates, criteria.criteria[0].harms);
+  report.grades = {GradeTrial(criteria, report.trials[0].score, Stroke(2.0))};
+  EXPECT_THAT(ToText(report), HasSubstr("Harm was done (near): of all other points 60 % count"));
+  EXPECT_THAT(ToHtml(report), HasSubstr("100 × 60 %"));
 }
 
 TEST(ScoreReport, SaysThatOneTrialPredictsNothing) {
