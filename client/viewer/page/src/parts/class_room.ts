@@ -86,6 +86,11 @@ export class ClassRoom {
     return this.me?.person ?? 0;
   }
 
+  /// The number of people who are to have seats, as far as this page knows them.
+  get students(): number {
+    return this.class.people.filter(({role}) => role === "drive").length;
+  }
+
   /// Deletes a person with all of their data.  @param done  is given the refusal, or ""
   remove(person: number, done: (refusal: Words) => void): void {
     this.ask({op: "person_delete", person}, () => done(""), done);

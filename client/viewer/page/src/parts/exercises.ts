@@ -4,7 +4,13 @@ import {ownText, scoreLink} from "../model/local_text";
 import {sayReason} from "../model/reasons";
 import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
-import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
+import type {
+  DoneTrial,
+  Exercise,
+  ExerciseList,
+  Graded,
+  TrialState,
+} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
 import {Room} from "../ui/room";
 import {followLanguage, setWords} from "../ui/spoken";
@@ -15,6 +21,8 @@ export interface ExerciseEvents {
   served(exercise: Exercise): string;
   /// The person's seat; empty: none.
   seat(): string;
+  /// The number of people who are to have seats.
+  students(): number;
   begin(scene: string, tool: string, ask: () => boolean): void;
 }
 
@@ -26,6 +34,11 @@ function verdictOf(trial: DoneTrial): string {
   );
 }
 
+function gradedWords({name, points, gates, harms}: Graded): string {
+  const key = gates ? "exercises.task" : harms ? "exercises.harm" : "exercises.care";
+  return say(key, {name: ownText(name), points: Math.round(points)});
+}
+
 /// The exercises, the running trial, and its result.
 export class Exercises {
   private readonly room = new Room(
@@ -35,6 +48,7 @@ export class Exercises {
   );
   private readonly list = make("ul.list");
   private readonly about = make("div.about");
+  private readonly server = make("div.server");
   private readonly bar = make("section", {id: "trial-bar", hidden: true});
   private readonly what = make("b");
   private readonly word = make("span", {role: "status"});
@@ -53,7 +67,7 @@ export class Exercises {
   private guide: Guide | undefined; // of the running trial
 
   constructor(private readonly events: ExerciseEvents) {
-    this.room.fill({}, make("div.columns", this.list, this.about));
+    this.room.fill({}, this.server, make("div.columns", this.list, this.about));
     setWords(this.bar, "ariaLabel", () => say("exercises.title"));
     const {what, word, clock, guided, stop, submit, score, again, next} = this;
     setWords(guided, "title", () => say("exercises.guide_title"));
@@ -139,9 +153,11 @@ export class Exercises {
         make("span.quiet", this.placeOf(exercise)),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
+      pick.classList.toggle("absent", this.events.served(exercise) === "");
       return make("li", pick);
     });
     this.list.replaceChildren(...items);
+    this.server.replaceChildren(...this.aboutServer());
     const exercise = this.exercises.find(({name}) => name === this.shown);
     if (exercise) this.about.replaceChildren(...this.aboutOf(exercise));
   }
@@ -173,18 +189,35 @@ export class Exercises {
       make("p.quiet", limits),
       begin,
       make("p.quiet", this.placeOf(exercise)),
+      make("h4", say("exercises.graded", {pass: exercise.pass})),
+      make("ul.graded", ...exercise.graded.map((one) => make("li", gradedWords(one)))),
       make("ol.done", ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
       make("p.quiet", say("exercises.one")),
     ];
   }
 
-  /// The scene or seat in which it is done, or why it cannot be.
+  /// The scene or seat in which it is done, and with what; or why it cannot be.
   private placeOf(exercise: Exercise): string {
+    const {tool} = exercise;
     const scene = this.events.served(exercise);
     const seat = this.events.seat();
-    if (scene === "") return say("exercises.not_served");
-    if (seat !== "" && scene !== seat) return say("exercises.other_seat", {seat});
-    return say("exercises.at", {scene});
+    if (scene === "") return say("exercises.needs", {scene: exercise.scene, tool});
+    if (seat === "") return say("exercises.at", {scene, tool});
+    return scene === seat
+      ? say("exercises.at_seat", {seat, tool})
+      : say("exercises.other_seat", {seat});
+  }
+
+  /// How many exercises can be done now; to a teacher, also what serves them all.
+  private aboutServer(): HTMLElement[] {
+    const {exercises} = this;
+    const served = exercises.filter((exercise) => this.events.served(exercise) !== "").length;
+    const count = make("p.quiet", say("exercises.served", {served, all: exercises.length}));
+    const scenes = new Set(exercises.flatMap(({serve}) => serve ?? []));
+    if (served === exercises.length || scenes.size === 0) return [count];
+    const seats = Math.max(1, this.events.students());
+    const command = `palpate-server ${[...scenes].join(" ")} --seats ${seats}`;
+    return [count, make("p", say("exercises.serve")), make("pre", command)];
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
