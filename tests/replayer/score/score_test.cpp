@@ -383,7 +383,8 @@ TEST(ScoreReport, SetsWhatWasCutBesideTheExpert) {
   report.cuts = {{{"caries", 8.0, 2.0}, {"pulp", 70.0, 69.5}},
                  {{"caries", 8.0, 4.0}, {"pulp", 70.0, 70.0}}};
   const std::string html = ToHtml(report);
-  EXPECT_THAT(html, HasSubstr("<td>caries</td><td>8.00 mm³</td><td>8.00 mm³"));
+  EXPECT_THAT(html, HasSubstr("data-say=\"tissue.caries\">caries</span></td><td>8.00 mm³</td>"
+                              "<td>8.00 mm³"));
   EXPECT_THAT(html, HasSubstr("<td>6.00 mm³<br><span class=\"points\">75.0 %</span></td>"));
   EXPECT_THAT(html, HasSubstr("<td>5.00 ± 1.41</td>"));
   EXPECT_THAT(ToText(report), HasSubstr("caries removed                     5.00 ± 1.41 mm³"));
