@@ -652,6 +652,8 @@ std::string FindSceneFile(const std::string& name_or_path) {
   const fs::path file = CatalogueFolder() / (name_or_path + ".json");
   std::error_code ignored;
   if (fs::exists(file, ignored)) return file.string();
+  const fs::path of_exercise = fs::path(PlaceOf(ProjectFile::kExercises)) / file.filename();
+  if (fs::exists(of_exercise, ignored)) return of_exercise.string();
   const std::vector<std::string> names = CatalogueNames();
   std::string message = "there is no scene \"" + name_or_path + "\"" +
                         DidYouMean(name_or_path, {names.begin(), names.end()}) + " (in " +

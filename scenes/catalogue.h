@@ -56,7 +56,7 @@ std::string SceneHash(const Scene& scene);
 void SaveScene(Scene scene, const std::string& file);
 
 /// Returns the scene file for a name: NAME.json in $PALPATE_CATALOGUE, else in the catalogue that
-/// comes with the programs (common/files/project_files.h).
+/// comes with the programs, else among their exercises (common/files/project_files.h).
 std::string FindSceneFile(const std::string& name_or_path);
 
 /// Returns whether the scene file says that a session begins with the scene whole

@@ -91,27 +91,30 @@ Criterion ReadCriterion(const JsonNode& node, bool has_sites) {
   return criterion;
 }
 
-/// Marks the criteria that a list of names calls gates.
-void ReadGates(const JsonNode& names, std::vector<Criterion>& criteria) {
+/// Marks the criteria that a list of names calls gates, or harms.
+void MarkNamed(const JsonNode& names, bool Criterion::*as, std::vector<Criterion>& criteria) {
   for (const JsonNode& name : names.Items(1)) {
     const auto count = std::ranges::count(criteria, name.String(), &Criterion::name);
     if (count != 1) {
       name.Fail(fmt::format("{} is the name of {} criteria; give one of: {}", Quoted(name.String()),
                             count, Joined(criteria, &Criterion::name)));
     }
-    std::ranges::find(criteria, name.String(), &Criterion::name)->gates = true;
+    Criterion& named = *std::ranges::find(criteria, name.String(), &Criterion::name);
+    named.*as = true;
+    if (named.gates && named.harms) name.Fail("is named in \"gates\" too; drop it from one");
   }
-  if (std::ranges::all_of(criteria, &Criterion::gates)) {
+  if (std::ranges::all_of(criteria, as)) {
     names.Fail(
-        "names all criteria, so nothing is left to count only as far as the task is done; "
-        "drop those of care, or drop the field");
+        "names all criteria, so nothing is left to count only as far as they are met; drop some, "
+        "or drop the field");
   }
 }
 
 ProbingSite ReadSite(const JsonNode& node) {
   node.AllowOnly({"name", "margin_mm", "into", "radius_mm", "depth_mm", "tolerance_mm"});
   ProbingSite site;
-  site.name = node.At("name").String();
+  site.names = ReadLocalText(node.At("name"));
+  site.name = EnglishOf(site.names);
   site.margin = 1e-3 * node.At("margin_mm").Vector();
   site.into = ReadDirection(node.At("into"));
   site.radius = 1e-3 * node.At("radius_mm").PositiveNumber();
@@ -132,6 +135,7 @@ const std::vector<Measure> kMeasures = {
     {"turn_mean_deg", "°"},
     {.name = "time_s", .unit = "s", .in_a_place = true},
     {.name = "contact_s", .unit = "s", .in_a_place = true},
+    {.name = "rest_s", .unit = "s", .in_a_place = true},
     {"time_ratio", "×"},
     {"sites_right_share", "%"},
     {"removed_mm3", "mm³", Tissue::kMustName, true},
@@ -158,7 +162,7 @@ const char* const kCriteriaToBeginWith =
   "tip_mm": [0, 0, 0],                   // of the tool, in its own frame
   // "best" earns all of a criterion's points, "worst" none, what lies between its share.
   // Measures: force_over_share, force_peak_N, force_rms_N, path_mean_mm, path_max_mm,
-  // turn_mean_deg, time_s, contact_s, time_ratio, sites_right_share; of what a bur cuts, with
+  // turn_mean_deg, time_s, contact_s, rest_s, time_ratio, sites_right_share; of what is cut, with
   // "tissue": removed_mm3, left_share, thickness_mm, missed_mm3, excess_mm3; of a preparation along
   // "axis": taper_deg, undercut_share, margin_width_mm, margin_spread_mm, margin_roughness_mm.
   // Shares are from 0 to 1.
@@ -188,7 +192,7 @@ bool AsksForCuts(const Criteria& criteria) {
 }
 
 Criteria ReadCriteria(const JsonNode& root, const std::string& file, const LocalText& title) {
-  root.AllowOnly({"title", "pass", "tip_mm", "criteria", "gates", "sites"});
+  root.AllowOnly({"title", "pass", "tip_mm", "criteria", "gates", "harms", "sites"});
   Criteria criteria;
   criteria.file = file;
   criteria.titles = title.empty() || root.Has("title") ? ReadLocalText(root.At("title")) : title;
@@ -201,7 +205,8 @@ Criteria ReadCriteria(const JsonNode& root, const std::string& file, const Local
   for (const JsonNode& node : root.At("criteria").Items(1)) {
     criteria.criteria.push_back(ReadCriterion(node, !criteria.sites.empty()));
   }
-  if (auto gates = root.Find("gates")) ReadGates(*gates, criteria.criteria);
+  if (auto gates = root.Find("gates")) MarkNamed(*gates, &Criterion::gates, criteria.criteria);
+  if (auto harms = root.Find("harms")) MarkNamed(*harms, &Criterion::harms, criteria.criteria);
   return criteria;
 }
 

@@ -27,16 +27,19 @@ struct Criterion {
   double best = 0.0, worst = 1.0;
   double weight = 1.0;
   bool gates = false;  ///< says how far the task is done: those that do not gate count only so far
+  bool harms =
+      false;  ///< who does not meet it does harm: all others count only as far as it is met
 };
 
 /// A site at which the depth is to be probed.
 struct ProbingSite {
-  std::string name;
+  std::string name;            ///< English, or of the only language
   Vec3 margin = Vec3::Zero();  ///< W [m]: the depth is measured from here
   Vec3 into = -Vec3::UnitY();  ///< unit vector in W: along which the depth is measured
   double radius = 0.0;         ///< [m]: largest distance of the tip from that line
   double depth = 0.0;          ///< [m]: correct depth
   double tolerance = 0.0;      ///< [m]
+  LocalText names{};
 };
 
 /// The criteria by which a trial is graded, read from a file that a teacher edits.

@@ -72,6 +72,15 @@ Json JsonOf(const Exercise& exercise) {
   for (const auto& [t, X, label] : exercise.guide) {
     guide.push_back({t, X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()});
   }
+  double weights = 0.0;
+  for (const Criterion& criterion : exercise.criteria.criteria) weights += criterion.weight;
+  Json graded = Json::array();
+  for (const Criterion& criterion : exercise.criteria.criteria) {
+    graded.push_back({{"name", JsonOf(criterion.names)},
+                      {"points", 100.0 * criterion.weight / weights},
+                      {"gates", criterion.gates},
+                      {"harms", criterion.harms}});
+  }
   const char* const starts[] = {"whole", "bookmark", "as_it_is"};
   return {{"name", exercise.name},
           {"title", JsonOf(exercise.title)},
@@ -85,6 +94,7 @@ Json JsonOf(const Exercise& exercise) {
           {"most_s", exercise.most_s},
           {"trials", exercise.trials},
           {"pass", exercise.criteria.pass},
+          {"graded", graded},
           {"sources", exercise.sources},
           {"guide", guide},
           {"done", Json::array()}};
@@ -106,13 +116,17 @@ TrialRoom::TrialRoom(Options options, CourseFile& file, std::function<void(const
 }
 
 void TrialRoom::MarkCutShort() {
-  file_.Use([](SQLite::Database& database) {
+  file_.Use([this](SQLite::Database& database) {
     SQLite::Statement cut(database, "SELECT person, exercise, n FROM trials WHERE ended_s IS NULL");
     while (cut.executeStep()) {
+      News news;
+      news.person = cut.getColumn(0).getInt64();
+      news.exercise = cut.getColumn(1).getString();
+      news.n = cut.getColumn(2).getInt();
       spdlog::warn(
-          "trial {} of '{}' by person {} was interrupted when the gateway was killed; its "
-          "recording lacks at most the last half second",
-          cut.getColumn(2).getInt(), cut.getColumn(1).getString(), cut.getColumn(0).getInt64());
+          "{} was interrupted when the gateway was killed; its recording lacks at most the last "
+          "half second",
+          NameOf(news));
     }
     SQLite::Statement mark(database,
                            "UPDATE trials SET ended_s=?, whole=0, reason='cut short: the gateway "
@@ -337,8 +351,7 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
   if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
     trial.news.whole = false;
     trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);
-    spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
-                  trial.news.person, Printable(trial.news.reason));
+    spdlog::error("{}: {}", NameOf(trial.news), Printable(trial.news.reason));
   }
   if (!Keep(trial, now_ns)) return true;
   if (trial.is_exam) {
@@ -376,8 +389,7 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   if (std::exchange(trial.retry_ns, now_ns + kRetry_ns) != 0) return false;
   trial.news.whole = false;
   trial.news.reason += fmt::format("{}{}", trial.news.reason.empty() ? "" : "; ", error.what());
-  spdlog::error("trial {} of '{}' by person {}: {}", trial.news.n, trial.news.exercise,
-                trial.news.person, Printable(error.what()));
+  spdlog::error("{}: {}", NameOf(trial.news), Printable(error.what()));
   Tell(trial, "unentered");
   return false;
 }
@@ -475,6 +487,12 @@ std::string TrialRoom::NameOf(std::int64_t person) {
   return name;
 }
 
+std::string TrialRoom::NameOf(const News& news) {
+  const std::string name = NameOf(news.person);
+  return fmt::format("trial {} of '{}' by {}", news.n, news.exercise,
+                     name.empty() ? fmt::format("person {}", news.person) : name);
+}
+
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
   const std::string stem =
       fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
@@ -558,8 +576,7 @@ void TrialRoom::TakeScore(Running& trial) {
       row.bind(5, news.n);
       row.exec();
     });
-    spdlog::error("trial {} of '{}' by person {}: {}", news.n, news.exercise, news.person,
-                  Printable(stored));
+    spdlog::error("{}: {}", NameOf(news), Printable(stored));
     trial.news = news;
     Tell(trial, "unscored");
   }
@@ -634,9 +651,12 @@ std::string TrialRoom::DescribeJson(const std::string& exercise) const {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string TrialRoom::ListJson(std::int64_t person) {
+std::string TrialRoom::ListJson(std::int64_t person, bool teaches) {
   Json list = Json::array();
-  for (const Exercise& exercise : exercises_) list.push_back(JsonOf(exercise));
+  for (const Exercise& exercise : exercises_) {
+    list.push_back(JsonOf(exercise));
+    if (teaches) list.back()["serve"] = ShellWord(exercise.scene);
+  }
   file_.Use([&](SQLite::Database& database) {
     SQLite::Statement rows(database,
                            "SELECT exercise, n, points, passed, whole, submitted_s, reason FROM "

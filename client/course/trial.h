@@ -105,9 +105,12 @@ class TrialRoom {
   std::size_t size() const { return trials_.size(); }
 
   /// Returns the exercises, each with the person's trials so far, for the person's page.
-  std::string ListJson(std::int64_t person);
+  /// @param teaches  each also with the scene that palpate-server is to be told.
+  std::string ListJson(std::int64_t person, bool teaches = false);
   /// Returns the keys of a person's existing score pages, by exercise and trial number.
   std::map<std::pair<std::string, int>, std::string> PagesOf(std::int64_t person);
+  /// Returns "trial 3 of 'caries' by Anna", for a log.
+  std::string NameOf(const News& news);
   /// Describes one exercise, without hints.  @param exercise  must exist.
   std::string DescribeJson(const std::string& exercise) const;
   /// Invalidates the keys of these people's score pages.  A later request creates new keys.

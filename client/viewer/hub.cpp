@@ -91,6 +91,11 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
                return feed_.HasStation(station) ||
                       (gate_.tokens() &&
                        gate_.tokens()->NamesAnother(station, mice_.named_prefix(), who));
+             },
+             [this](MouseRoom::Holder holder) {
+               const auto viewer = viewers_.find(holder);
+               const bool has_name = viewer != viewers_.end() && viewer->second->holder();
+               return has_name ? viewer->second->holder()->name : "";
              }},
             [this](const MouseRoom::News& news) { Tell(news); }),
       packer_(io),
@@ -392,9 +397,9 @@ void Hub::AskHistory(const HistoryWish& wish, bool for_teacher,
 }
 
 FramePtr Hub::ExercisesFrameOf(const Viewer& viewer) const {
-  return OwnFrame(
-      TopicFeed::kExercises, 0,
-      IsInExam(viewer) ? R"({"exercises": []})" : trials_->ListJson(viewer.holder()->person));
+  return OwnFrame(TopicFeed::kExercises, 0,
+                  IsInExam(viewer) ? R"({"exercises": []})"
+                                   : trials_->ListJson(viewer.holder()->person, viewer.teaches()));
 }
 
 bool Hub::IsInExam(const Viewer& viewer) const {
@@ -453,8 +458,8 @@ void Hub::Tell(const TrialRoom::News& news) {
   if (SitsExam(news.person)) json["page"] = "";
   if (news.points) json["points"] = *news.points;
   const bool is_over = news.phase == "scored" || news.phase == "unscored" || news.phase == "kept";
-  spdlog::info("trial {} of '{}' by person {}: {}{}{}", news.n, news.exercise, news.person,
-               news.phase, news.reason.empty() ? "" : ", ", news.reason);
+  spdlog::info("{}: {}{}{}", trials_->NameOf(news), news.phase, news.reason.empty() ? "" : ", ",
+               news.reason);
   // All pages of the person: the one that began the trial may be closed.
   for (const auto& [id, viewer] : viewers_) {
     if (!viewer->holder() || viewer->holder()->person != news.person) continue;

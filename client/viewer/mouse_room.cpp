@@ -54,7 +54,9 @@ std::string MouseRoom::Take(Holder holder, const std::string& who, const MouseCo
   mouse.moved_ns = now_ns;
   mouse.waits = waits;
   mouse.name = NameFor(who, mouse);
-  spdlog::info("{} takes a tool of scene '{}'", mouse.name, command.scene);
+  const std::string of = options_.name_of(holder);
+  mouse.logged = of.empty() ? mouse.name : of + " (" + mouse.name + ")";
+  spdlog::info("{} takes a tool of scene '{}'", mouse.logged, command.scene);
   tell_({holder, mouse.name, command.scene, command.tool, "", ""});
   std::string name = mouse.name;
   mice_.push_back(std::move(mouse));
@@ -122,7 +124,7 @@ void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string&
                       std::int64_t now_ns, bool lost) {
   const Holder holder = std::exchange(mouse.holder, 0);
   if (mouse.station) mouse.station->LetGo(now_ns);
-  spdlog::info("{} {}{}{}", mouse.name, phase, reason.empty() ? "" : ": ", reason);
+  spdlog::info("{} {}{}{}", mouse.logged, phase, reason.empty() ? "" : ": ", reason);
   tell_({holder, mouse.name, mouse.scene, mouse.tool, phase, reason, lost});
 }
 
@@ -137,7 +139,7 @@ void MouseRoom::Rest(Holder holder, std::int64_t now_ns) {
   if (mouse == nullptr || mouse->away_ns != 0) return;
   mouse->away_ns = now_ns;
   if (mouse->station) mouse->station->Rest();
-  spdlog::info("{} rests: its page is missing", mouse->name);
+  spdlog::info("{} rests: its page is missing", mouse->logged);
 }
 
 bool MouseRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
@@ -146,7 +148,7 @@ bool MouseRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
   mouse->holder = to;
   mouse->away_ns = 0;
   mouse->moved_ns = now_ns;
-  spdlog::info("{} goes on: its page is back", mouse->name);
+  spdlog::info("{} goes on: its page is back", mouse->logged);
   tell_({to, mouse->name, mouse->scene, mouse->tool, mouse->phase, ""});
   return true;
 }

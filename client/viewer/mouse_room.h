@@ -40,6 +40,8 @@ class MouseRoom {
     /// `who`.
     std::function<bool(const std::string& station, const std::string& who)> is_others =
         [](const std::string&, const std::string&) { return false; };
+    /// Returns the viewer's name, for the log; empty: it has none.
+    std::function<std::string(Holder)> name_of = [](Holder) { return ""; };
   };
   /// A change of a viewer's mouse.  `phase` is "waiting", "acquiring", "active", "refused", "ended"
   /// or "held", as in SessionState; empty before the first answer.
@@ -86,6 +88,7 @@ class MouseRoom {
  private:
   struct Mouse {
     std::string name;                       // of its station
+    std::string logged;                     // that name and its holder's
     std::unique_ptr<MouseStation> station;  // null: it is started once its tool is free
     Holder holder = 0;                      // 0: released, and ending
     std::string scene, tool;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -21,6 +22,7 @@ const std::string kShipped = PALPATE_SOURCE_DIR "/client/course/exercises";
 struct Model {
   Keys keys;
   double begin_s = 0.0, end_s = 0.0;  ///< of contact
+  double middle_s = 0.0;              ///< in contact, and nearest to the middle of that time
   Vec3 into = Vec3::Zero();           ///< unit: against the mean force
   double extent = 0.0;                ///< diagonal of what is touched [m]
 
@@ -44,7 +46,7 @@ struct Model {
   }
   /// Returns the motion with one push, half a second long to either side of its middle.
   PoseScript Pushing(double by_m) const {
-    const double at = std::max(0.6, 0.5 * (begin_s + end_s));
+    const double at = std::max(0.6, middle_s);
     Keys changed = keys;
     std::erase_if(changed, [&](const auto& key) { return std::abs(key.t - at) < 0.51; });
     for (const double t : {at - 0.5, at, at + 0.5}) {
@@ -53,6 +55,14 @@ struct Model {
       changed.push_back({t, X_WH, ""});
     }
     std::ranges::sort(changed, {}, &PoseScript::Key::t);
+    return PoseScript(changed);
+  }
+  /// Returns the motion with a rest.
+  PoseScript Resting(double at, double for_s) const {
+    Keys changed = keys;
+    for (PoseScript::Key& key : changed) key.t += key.t > at ? for_s : 0.0;
+    for (const double t : {at, at + for_s}) changed.push_back({t, script().At(at), ""});
+    std::ranges::stable_sort(changed, {}, &PoseScript::Key::t);
     return PoseScript(changed);
   }
 };
@@ -69,6 +79,13 @@ Model ModelOf(const std::string& expert, const HandPath& path, double pace) {
     model.end_s = path.time_s[i] / pace;
     force += path.force_N[i];
     touched.extend(path.tool()[i].p);
+  }
+  const double middle_s = 0.5 * (model.begin_s + model.end_s);
+  model.middle_s = model.begin_s;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const double at = path.time_s[i] / pace;
+    const bool is_nearer = std::abs(at - middle_s) < std::abs(model.middle_s - middle_s);
+    if (path.touches(i) && is_nearer) model.middle_s = at;
   }
   model.into = -force.normalized();
   model.extent = touched.diagonal().norm();
@@ -90,11 +107,11 @@ const std::vector<Motion> kParts = {
     {"a scratch", 20, [](const Model& m) { return m.Until(0.01); }},
     {"a tenth", 25, [](const Model& m) { return m.Until(0.1); }},
     {"a half", 67, [](const Model& m) { return m.Until(0.5); }},
-    {"two thirds", 90, [](const Model& m) { return m.Until(0.67); }},
+    {"two thirds", 69, [](const Model& m) { return m.Until(0.67); }},
 };
 /// The whole task with a single mistake.
 const std::vector<Motion> kMistakes = {
-    {"aside", 70,
+    {"aside", 69,
      [](const Model& m) {
        return m.Displaced({std::max(1.5e-3, 0.3 * m.extent), 0, 0});
      }},
@@ -104,6 +121,30 @@ const std::vector<Motion> kMistakes = {
        return m.Displaced(Vec3::Zero(), RotationExp({0, 0, 20 * std::numbers::pi / 180}));
      }},
     {"pushed", 100, [](const Model& m) { return m.Pushing(3e-3); }},
+};
+
+Motion Moved(const char* name, const Vec3& by_mm) {
+  return {name, 69, [by_mm](const Model& m) { return m.Displaced(1e-3 * by_mm); }};
+}
+Motion Resting(const char* name, double at, double for_s) {
+  return {name, 69, [=](const Model& m) { return m.Resting(at, for_s); }};
+}
+/// And what an exercise's own text names as a mistake: none passes.
+const std::multimap<std::string, Motion> kNamed = {
+    {"bone-window", Moved("2 mm too deep", {0, 0, -2})},
+    {"bone-window", Moved("into the nerve", {0, -3, -3})},
+    {"calculus-detection", Resting("rests on smooth root, too", 13.5, 2.5)},
+    {"caries-excavation", Moved("into the pulp", {0, -2, 0})},
+    {"cavity-class-1", Moved("into the pulp", {0, -3, 0})},
+    {"crown-margin", Moved("1 mm too high", {0, 1, 0})},
+    {"light-force", Moved("not down to the floor", {0, 1.5, 0})},
+    {"margin-walking", Moved("not down to the floor", {0, 1.5, 0})},
+    {"nodule-palpation", Moved("too lightly", {0, 4, 0})},
+    {"nodule-palpation", Resting("rests elsewhere, too", 2.0, 3.5)},
+    {"pocket-depth", Moved("not down to the floor", {0, 1.5, 0})},
+    {"six-sites", Moved("not down to the floor", {0, 1.5, 0})},
+    {"subgingival-removal", Moved("into the floor, past the deposit", {0, -2.5, 0})},
+    {"supragingival-calculus", Moved("in the gum", {0, -2.5, 0})},
 };
 
 std::vector<std::string> Shipped() {
@@ -127,6 +168,9 @@ TEST_P(Adversary, GetsPointsOnlyAsFarAsTheTaskIsDone) {
   const Exercise exercise = LoadExercise(kShipped + "/" + GetParam());
   std::vector<Motion> motions = kParts;
   motions.insert(motions.end(), kMistakes.begin(), kMistakes.end());
+  const auto [first, last] = kNamed.equal_range(exercise.name);
+  for (auto it = first; it != last; ++it) motions.push_back(it->second);
+  EXPECT_NE(first, last) << "name what its text calls a mistake";
   const Report report = Rehearse(exercise, [&](const HandPath& path) {
     // A bur cuts where it goes, at any pace; this one halves the time of the test.
     const double pace = AsksForCuts(exercise.criteria) ? 2.0 : 1.0;

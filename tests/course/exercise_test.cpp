@@ -108,12 +108,17 @@ TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
   const auto all = LoadExercises(kShipped, [](const std::string& why) { ADD_FAILURE() << why; });
   EXPECT_EQ(all.size(), 12u);
   const std::string page = ReadWholeFile(kShipped + "/README.md", JsonNode::kMostBytes);
+  const std::string teach =
+      ReadWholeFile(PALPATE_SOURCE_DIR "/client/teach.md", JsonNode::kMostBytes);
+  const std::size_t serves = teach.find("palpate-server periodontal");
+  const std::string served = teach.substr(serves, teach.find("--seats", serves) - serves);
   for (const Exercise& exercise : all) {
     std::vector<const LocalText*> texts{&exercise.title, &exercise.instruction, &exercise.goal};
     for (const Criterion& criterion : exercise.criteria.criteria) {
       texts.push_back(&criterion.names);
       if (!criterion.why.empty()) texts.push_back(&criterion.why);
     }
+    for (const ProbingSite& site : exercise.criteria.sites) texts.push_back(&site.names);
     for (const LocalText* text : texts) {
       for (const char* language : {"en", "de", "zh"}) {
         EXPECT_TRUE(text->contains(language)) << exercise.name << ": " << language;
@@ -121,6 +126,9 @@ TEST(ShippedExercises, AreWholeInThreeLanguagesAndNameTheirSources) {
     }
     EXPECT_FALSE(exercise.sources.empty()) << exercise.name;
     EXPECT_THAT(page, HasSubstr("`" + exercise.name + "`"));
+    EXPECT_EQ(exercise.scene, exercise.scene_name) << "a copy in a course finds it, too";
+    EXPECT_THAT(served, testing::ContainsRegex("[ \n]" + exercise.scene + "[ \n]"))
+        << "teach.md's server serves every exercise";
   }
 }
 

@@ -240,18 +240,25 @@ test.each([
   },
 );
 
-test("the list of exercises says in which scene or seat each is done, and which cannot be", async () => {
-  gateway.role = "drive";
+test("the list of exercises says where and with what each is done, and a teacher what serves them", async () => {
+  gateway.role = "operate";
   gateway.hasCourse = true;
-  const named = (name: string, scene: string): object => ({...kExercise, name, scene});
+  const graded = [{name: {en: "Nerve untouched"}, points: 25, gates: false, harms: true}];
+  const named = (name: string, scene: string): object => ({
+    ...{...kExercise, name, scene, graded},
+    serve: `${scene}.json`,
+  });
   const exercises = [named("one", kTestScene.name), named("two", "elsewhere")];
   gateway.retain("/palpate/exercises", {exercises});
   const me = {person: 2, name: "Anna", role: "drive", seat: "", line: "", lines: 0};
   gateway.retain("/palpate/me", me);
   await open();
   await page.locator("#exercises-open").click();
-  await reads("#exercises-dialog .list li:nth-child(1)", /In test-box$/);
-  await reads("#exercises-dialog .list li:nth-child(2)", /No server has its scene/);
+  await reads("#exercises-dialog .list li:nth-child(1)", /In test-box, with the ball$/);
+  await reads("#exercises-dialog .list li:nth-child(2)", /Not served now: scene elsewhere, tool/);
+  await reads("#exercises-dialog .server p.quiet", "1 of 2 exercises are served now.");
+  await reads("#exercises-dialog pre", /palpate-server test-box.json elsewhere.json --seats \d+/);
+  await reads("#exercises-dialog .graded", /^Nerve untouched: 25\. Harm:/);
   gateway.send("/palpate/me", {...me, seat: "another-1"});
   gateway.send("/palpate/exercises", {exercises});
   await reads("#exercises-dialog .list li:nth-child(1)", /another-1/);

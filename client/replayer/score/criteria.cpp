@@ -10,18 +10,34 @@
 namespace palpate {
 namespace {
 
+/// A tip that touches rests as long as it stays so near to where its rest began [m]: it feels the
+/// same spot, and a hand trembles less (0.1 to 0.3 mm).
+constexpr double kRest_m = 5e-4;
+
 /// The time that the tool's tip spent in the criterion's place.
 struct TimeThere {
   double all_s = 0.0, contact_s = 0.0;
   double over_s = 0.0;  ///< with more force than the limit
+  double rest_s = 0.0;  ///< the longest rest
 };
 TimeThere TimeIn(const Criterion& criterion, const Vec3& tip, const HandPath& path) {
   TimeThere time;
+  Vec3 rest = Vec3::Zero();  // where it began
+  double rests_s = -1.0;     // for how long; -1: it does not rest
   for (std::size_t i = 1; i < path.size(); ++i) {
-    if (criterion.place && !criterion.place->Holds(path.tool()[i] * tip)) continue;
+    const Vec3 at = path.tool()[i] * tip;
+    const bool is_there = !criterion.place || criterion.place->Holds(at);
+    if (!is_there || !path.touches(i)) {
+      rests_s = -1.0;
+    } else if (rests_s < 0.0 || (at - rest).norm() > kRest_m) {
+      rest = at;
+      rests_s = 0.0;
+    }
+    if (!is_there) continue;
     const double step_s = path.time_s[i] - path.time_s[i - 1];
     time.all_s += step_s;
     if (path.touches(i)) time.contact_s += step_s;
+    if (rests_s >= 0.0) time.rest_s = std::max(time.rest_s, rests_s += step_s);
     if (path.force_N[i].norm() > criterion.limit_N) time.over_s += step_s;
   }
   return time;
@@ -61,6 +77,7 @@ std::optional<double> ValueOf(const Criterion& criterion, const Criteria& criter
   }
   if (criterion.measure == "time_s") return time.all_s;
   if (criterion.measure == "contact_s") return time.contact_s;
+  if (criterion.measure == "rest_s") return time.rest_s;
   if (criterion.measure == "time_ratio") return score.trainee_s / score.expert_s;
   if (criterion.measure == "sites_right_share") return ShareRight(criteria, grade.depths);
   static const std::map<std::string, double Score::*> kOfScore = {
@@ -128,12 +145,14 @@ std::optional<Grade> GradeTrial(const Criteria& criteria, const Score& score,
         (value.value_or(criterion.worst) - criterion.worst) / (criterion.best - criterion.worst);
     grade.marks.push_back({value, 100.0 * std::min(1.0, std::max(0.0, share))});  // not -0
     if (criterion.gates) grade.done *= 0.01 * grade.marks.back().ungated;
+    if (criterion.harms) grade.harmless *= 0.01 * grade.marks.back().ungated;
   }
   double weights = 0.0;
   for (std::size_t c = 0; c < grade.marks.size(); ++c) {
     const Criterion& criterion = criteria.criteria[c];
     Grade::Mark& mark = grade.marks[c];
-    mark.points = (criterion.gates ? 1.0 : grade.done) * mark.ungated;
+    mark.points = (criterion.gates ? 1.0 : grade.done) * (criterion.harms ? 1.0 : grade.harmless) *
+                  mark.ungated;
     grade.points += criterion.weight * mark.points;
     weights += criterion.weight;
   }

@@ -21,12 +21,13 @@ struct Grade {
   struct Mark {
     std::optional<double> value;  ///< in the measure's unit; none: nothing to measure
     double ungated = 0.0;         ///< points that the value alone would earn, 0 to 100
-    double points = 0.0;          ///< 0 to 100; ungated * done, unless the criterion gates
+    double points = 0.0;          ///< 0 to 100; ungated * done * harmless, see Criterion
   };
   std::vector<Mark> marks;                    ///< in the order of Criteria::criteria
   std::vector<std::optional<double>> depths;  ///< in the order of Criteria::sites [m]
-  double done = 1.0;    ///< how far the task is: product of the gates' shares; 1: there is no gate
-  double points = 0.0;  ///< 0 to 100: weighted mean of the marks
+  double done = 1.0;  ///< how far the task is: product of the gates' shares; 1: there is no gate
+  double harmless = 1.0;  ///< likewise how far no harm was done
+  double points = 0.0;    ///< 0 to 100: weighted mean of the marks
 };
 
 /// Returns a measure of what was cut; none if there was nothing to measure.

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/course/local_text.h"
 #include "client/replayer/hand_path.h"
 #include "client/replayer/score/score_plot.h"
 
@@ -32,7 +33,7 @@ Score ScorePath(const HandPath& expert, const HandPath& trainee);
 struct Trial {
   std::string name;
   Score score;
-  std::string incomplete = {};  ///< why it does not count; empty: it does
+  std::vector<LocalText> incomplete = {};  ///< why it does not count; empty: it does
 };
 /// Returns the score's numbers with their member names.
 std::vector<std::pair<const char*, double>> NumbersOf(const Score& score);

@@ -90,24 +90,46 @@ std::optional<Average> PointsOf(const Report& report) {
   return AverageGrade(report, [](const Grade& grade) { return grade.points; });
 }
 
-std::string NotComplete(const Trial& trial) {
-  return trial.name + " is not complete, and does not pass: " + trial.incomplete;
+std::string WhyIncomplete(const Trial& trial) {
+  return Joined(trial.incomplete, EnglishOf, "; ");
 }
 
-/// Returns how much of the task is done [%]; nothing if it is done.
-std::optional<double> PartOfTask(const Report& report) {
-  const auto done = AverageGrade(report, [](const Grade& grade) { return 100.0 * grade.done; });
-  return done && done->mean <= 99.5 ? std::optional(done->mean) : std::nullopt;
+/// A value in the braces of a text.
+Said With(const char* name, const std::string& value) {
+  return {name, {{{"en", value}}}};
+}
+Said With(const char* name, double value) {
+  return With(name, fmt::format("{:.0f}", value));
 }
 
-/// Returns in a sentence that what gates has taken points from the other criteria; else nothing.
-std::string GateText(const Report& report) {
-  const std::optional<double> done = PartOfTask(report);
-  if (!done) return "";
-  std::vector<Criterion> gates = report.criteria->criteria;
-  std::erase_if(gates, [](const Criterion& criterion) { return !criterion.gates; });
-  return fmt::format("{:.0f} % of the task is done ({}): the other criteria count only so far",
-                     *done, Printable(Joined(gates, &Criterion::name)));
+LocalText NamesOf(const Criterion& criterion) {
+  return criterion.names.empty() ? LocalText{{"en", criterion.name}} : criterion.names;
+}
+
+/// What takes points from other criteria: a task that is not done, or harm.
+struct Taker {
+  double Grade::*share;
+  bool Criterion::*named;
+  const char* key;  ///< of its sentence
+};
+constexpr Taker kTakers[] = {{&Grade::done, &Criterion::gates, "gated"},
+                             {&Grade::harmless, &Criterion::harms, "harmed"}};
+
+/// Returns in sentences what has taken points from other criteria, as `say` writes them.
+std::vector<std::string> TakenTexts(const Report& report,
+                                    std::string (*say)(const std::string&, const Values&)) {
+  std::vector<std::string> texts;
+  for (const Taker& taker : kTakers) {
+    const auto share =
+        AverageGrade(report, [&](const Grade& grade) { return 100.0 * grade.*taker.share; });
+    if (!share || share->mean > 99.5) continue;
+    Said names{"criteria", {}};
+    for (const Criterion& criterion : report.criteria->criteria) {
+      if (criterion.*taker.named) names.values.push_back(NamesOf(criterion));
+    }
+    texts.push_back(say(taker.key, {With("share", share->mean), names}));
+  }
+  return texts;
 }
 
 /// Returns JSON as an expression for a script element.  HTML ends a script at "</script", but not
@@ -150,28 +172,6 @@ std::string AverageCell(const Report& report, const std::optional<Average>& aver
   return Cell(average ? ToText(*average, digits) : "");
 }
 
-/// A value in the braces of a text.
-Said With(const char* name, const std::string& value) {
-  return {name, {{{"en", value}}}};
-}
-Said With(const char* name, double value) {
-  return With(name, fmt::format("{:.0f}", value));
-}
-
-LocalText NamesOf(const Criterion& criterion) {
-  return criterion.names.empty() ? LocalText{{"en", criterion.name}} : criterion.names;
-}
-
-std::string GateHtml(const Report& report) {
-  const std::optional<double> done = PartOfTask(report);
-  if (!done) return "";
-  Said gates{"gates", {}};
-  for (const Criterion& criterion : report.criteria->criteria) {
-    if (criterion.gates) gates.values.push_back(NamesOf(criterion));
-  }
-  return "<p class=\"poor\">" + Say("gated", {With("share", *done), gates}) + "</p>\n";
-}
-
 std::string VerdictHtml(const Report& report) {
   if (!report.criteria) return "<p class=\"quiet\">" + Say("no_grade") + "</p>\n";
   const auto points = PointsOf(report);
@@ -184,20 +184,30 @@ std::string VerdictHtml(const Report& report) {
                              ? Say("average_of", {With("count", double(graded)),
                                                   With("deviation", points->deviation), enough})
                              : Say("enough", {enough});
-  return fmt::format(
-             "<p class=\"verdict {}\"><b>{:.0f}</b><span class=\"word\">{}</span><span "
-             "class=\"quiet\">{}</span></p>\n",
-             passed ? "good" : "poor", points->mean, Say(passed ? "passed" : "not_yet"), of) +
-         GateHtml(report);
+  std::string html = fmt::format(
+      "<p class=\"verdict {}\"><b>{:.0f}</b><span class=\"word\">{}</span><span "
+      "class=\"quiet\">{}</span></p>\n",
+      passed ? "good" : "poor", points->mean, Say(passed ? "passed" : "not_yet"), of);
+  for (const std::string& text : TakenTexts(report, &Say)) {
+    html += "<p class=\"poor\">" + text + "</p>\n";
+  }
+  return html;
+}
+
+/// Returns a tissue's name in the reader's language, if it is a usual one.
+std::string TissueHtml(const std::string& name) {
+  const std::string key = "tissue." + name;
+  return KeyAttribute(key).empty() ? Escaped(name) : Say(key);
 }
 
 /// Returns what a criterion measures, and why.
 std::string WhatHtml(const Criterion& criterion) {
   std::string what = Say("measure." + criterion.measure);
   if (criterion.limit_N > 0.0) what += fmt::format(", {:g} N", criterion.limit_N);
-  if (!criterion.tissue.empty()) what += ": " + Escaped(criterion.tissue);
+  if (!criterion.tissue.empty()) what += ": " + TissueHtml(criterion.tissue);
   if (criterion.place) what += Say("in_a_region");
   if (criterion.gates) what += Say("is_the_task");
+  if (criterion.harms) what += Say("is_a_harm");
   if (!criterion.why.empty()) what += ". " + Say(criterion.why, "");
   return what;
 }
@@ -227,8 +237,8 @@ std::string MarksHtml(const Report& report) {
                "</span>" +
                (mark.points < mark.ungated - 0.5
                     ? "<small>" +
-                          Say("gated_points",
-                              {With("points", mark.ungated), With("share", 100.0 * grade->done)}) +
+                          Say("gated_points", {With("points", mark.ungated),
+                                               With("share", 100.0 * mark.points / mark.ungated)}) +
                           "</small>"
                     : ""));
     }
@@ -249,7 +259,7 @@ std::string SitesHtml(const Report& report) {
   std::string html = "<h2>" + Say("depths") + "</h2>\n<div class=\"wide\"><table>\n" +
                      HeadRow(report, {"site", "right"});
   for (std::size_t s = 0; s < sites.size(); ++s) {
-    html += "<tr>" + Cell(Escaped(sites[s].name)) +
+    html += "<tr>" + Cell(Say(sites[s].names, sites[s].name)) +
             Cell(fmt::format("{:.1f} ± {:.1f} mm", 1e3 * sites[s].depth, 1e3 * sites[s].tolerance));
     std::vector<double> found;
     for (const auto& grade : report.grades) {
@@ -368,7 +378,7 @@ std::string CutHtml(const Report& report) {
                        100.0 * share);
   };
   for (const TissueCut& tissue : report.expert_cut) {
-    html += "<tr>" + Cell(Escaped(tissue.name)) +
+    html += "<tr>" + Cell(TissueHtml(tissue.name)) +
             Cell(fmt::format("{:.2f} mm³", tissue.before_mm3)) + Cell(cell(tissue));
     std::vector<double> removed;
     for (const auto& cut : report.cuts) {
@@ -405,13 +415,13 @@ struct Expert {
   WholeVolumes whole{};
 };
 
-std::string IncompleteText(const HandPath& trial) {
-  std::string text = trial.cut_off ? "its recording is cut off" : "";
+std::vector<LocalText> WhyIncomplete(const HandPath& trial) {
+  std::vector<LocalText> why;
+  if (trial.cut_off) why.push_back(InAll("cut_off"));
   if (trial.unanswered_share > kMostUnanswered) {
-    text += fmt::format("{}{:.0f} % of its poses were not answered", text.empty() ? "" : "; ",
-                        100.0 * trial.unanswered_share);
+    why.push_back(InAll("unanswered", {With("percent", 100.0 * trial.unanswered_share)}));
   }
-  return text;
+  return why;
 }
 
 /// Adds a trial: its cuts compared with the expert's, if he has cut, and its grade, if there
@@ -424,7 +434,7 @@ void AddTrial(Expert& expert, const HandPath& trial, std::optional<SolidsCut> cu
     throw Error(file + ": was recorded in scene '" + trial.scene + "', the expert's in '" +
                 done.path.scene + "'; give recordings of one scene");
   }
-  report.trials.push_back({name, ScorePath(done.path, trial), IncompleteText(trial)});
+  report.trials.push_back({name, ScorePath(done.path, trial), WhyIncomplete(trial)});
   report.sessions.push_back(trial.sessions);
   const std::optional<SolidsCut>& target = done.cut;
   std::optional<CutShape> shape;
@@ -543,7 +553,7 @@ nlohmann::ordered_json JsonOf(const Report& report) {
   for (std::size_t i = 0; i < report.trials.size(); ++i) {
     nlohmann::ordered_json trial = JsonOf(report.trials[i].score);
     trial["trial"] = report.trials[i].name;
-    if (!report.trials[i].incomplete.empty()) trial["incomplete"] = report.trials[i].incomplete;
+    if (!report.trials[i].incomplete.empty()) trial["incomplete"] = WhyIncomplete(report.trials[i]);
     if (!report.expert_cut.empty()) trial["cut"] = JsonOf(report.cuts[i]);
     if (i < report.differences.size()) {
       trial["missed_mm3"] = report.differences[i].missed_mm3;
@@ -555,6 +565,7 @@ nlohmann::ordered_json JsonOf(const Report& report) {
       const Grade& grade = *report.grades[i];
       trial["points"] = grade.points;
       trial["done_share"] = grade.done;
+      trial["harmless_share"] = grade.harmless;
       for (std::size_t c = 0; c < grade.marks.size(); ++c) {
         const Grade::Mark& mark = grade.marks[c];
         trial["marks"].push_back(
@@ -590,7 +601,7 @@ std::string JsonText(const Report& report) {
 bool Passed(const Report& report) {
   const auto points = PointsOf(report);
   return points && points->mean >= report.criteria->pass &&
-         std::ranges::all_of(report.trials, &std::string::empty, &Trial::incomplete);
+         std::ranges::all_of(report.trials, &std::vector<LocalText>::empty, &Trial::incomplete);
 }
 
 Average AverageOf(const std::vector<double>& values) {
@@ -682,7 +693,8 @@ std::string ToText(const Report& report) {
                     ToText(AverageOf(removed), 2, "mm³"), tissue.removed_mm3(), tissue.before_mm3);
   }
   for (const Trial& trial : report.trials) {
-    if (!trial.incomplete.empty()) text += NotComplete(trial) + "\n";
+    if (trial.incomplete.empty()) continue;
+    text += trial.name + " is not complete, and does not pass: " + WhyIncomplete(trial) + "\n";
   }
   if (report.criteria) {
     const auto points = PointsOf(report);
@@ -690,7 +702,9 @@ std::string ToText(const Report& report) {
             (points ? fmt::format("{} of 100 points, {}\n", ToText(*points, 0),
                                   Passed(report) ? "passed" : "not yet")
                     : fmt::format("{}: no points\n", kUntouched));
-    if (const std::string gated = GateText(report); !gated.empty()) text += "  " + gated + "\n";
+    for (const std::string& taken : TakenTexts(report, &InEnglish)) {
+      text += "  " + Printable(taken) + "\n";
+    }
   }
   if (trials == 1) text += std::string(kOneTrial) + "\n";
   return text;
@@ -712,7 +726,7 @@ std::string ToHtml(const Report& report) {
   for (const Trial& trial : trials) {
     if (trial.incomplete.empty()) continue;
     body += "<p class=\"poor\">" +
-            Say("incomplete", {With("trial", trial.name), With("why", trial.incomplete)}) +
+            Say("incomplete", {With("trial", trial.name), Said{"why", trial.incomplete}}) +
             "</p>\n";
   }
   if (trials.size() == 1) body += "<p class=\"quiet\">" + Say("one_trial") + "</p>\n";

@@ -10,9 +10,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Returns the catalogues' words, English first.
+const std::vector<Json>& Catalogues() {
+  static const std::vector<Json> all = [] {
+    std::vector<Json> words;
+    for (const auto& [tag, text] : kScoreCatalogues) words.push_back(Json::parse(text));
+    return words;
+  }();
+  return all;
+}
 const Json& English() {
-  static const Json words = Json::parse(kScoreCatalogues.front().second);
-  return words;
+  return Catalogues().front();
 }
 
 /// Returns JSON as the value of an attribute in single quotes.
@@ -29,6 +37,17 @@ std::string Joined(const std::vector<LocalText>& texts) {
   return all;
 }
 
+/// Returns a text in the language of `words`, with English values.
+std::string In(const Json& words, const std::string& key, const Values& values) {
+  std::string text = words.value(key, key);
+  for (const Said& said : values) {
+    const std::string name = "{" + said.name + "}";
+    const std::size_t at = text.find(name);
+    if (at != text.npos) text.replace(at, name.size(), Joined(said.values));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string Escaped(const std::string& text) {
@@ -40,11 +59,13 @@ std::string Escaped(const std::string& text) {
 }
 
 std::string InEnglish(const std::string& key, const Values& values) {
-  std::string text = English().value(key, key);
-  for (const Said& said : values) {
-    const std::string name = "{" + said.name + "}";
-    const std::size_t at = text.find(name);
-    if (at != text.npos) text.replace(at, name.size(), Joined(said.values));
+  return In(English(), key, values);
+}
+
+LocalText InAll(const std::string& key, const Values& values) {
+  LocalText text;
+  for (std::size_t i = 0; i < kScoreCatalogues.size(); ++i) {
+    text[std::string(kScoreCatalogues[i].first)] = In(Catalogues()[i], key, values);
   }
   return text;
 }

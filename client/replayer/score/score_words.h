@@ -27,6 +27,8 @@ std::string Escaped(const std::string& text);
 
 /// Returns a text in English; the key itself if there is no such text.
 std::string InEnglish(const std::string& key, const Values& values = {});
+/// Returns a text in all languages.
+LocalText InAll(const std::string& key, const Values& values = {});
 /// Returns a text as an element, escaped.
 std::string Say(const std::string& key, const Values& values = {});
 /// The same for a text that has its own languages.  @param instead  if it has none.

@@ -61,6 +61,7 @@ test("every message is said somewhere, and index.html says none that there is no
   const unused = Object.keys(english).filter(
     (key) =>
       key !== "locale" &&
+      !key.startsWith("reason.") && // see model/reasons_test.ts
       !inHtml.includes(key) &&
       !literal.has(key) &&
       !begun.some((beginning) => key.startsWith(beginning)),
@@ -103,6 +104,17 @@ test("numbers, counts and times are written as the language writes them", async 
   expect(say("loop.poses", {count: 1})).toBe("1 个位姿");
   expect(sayList("list.separator", ["a", "", "b"])).toBe("a，b");
   expect(sayNumber(1234.5, 1)).toBe("1234.5");
+});
+
+test("score pages name tissues as this page does", () => {
+  for (const language of kLanguages) {
+    const score: Catalogue = JSON.parse(
+      readFileSync(page(`../../replayer/score/words/${language}.json`), "utf8"),
+    );
+    const tissues = Object.entries(score).filter(([key]) => key.startsWith("tissue."));
+    expect(tissues.length).toBeGreaterThan(0);
+    expect(catalogue(language)).toMatchObject(Object.fromEntries(tissues));
+  }
 });
 
 test("who asks for a language that there is not hears English", async () => {

@@ -4,7 +4,7 @@ const kTitle = {en: "Midterm", de: "Zwischenprüfung"};
 export const kExercise = {
   ...{name: "light-force", title: {en: "Light force"}, scene: kTestScene.name, tool: "ball"},
   ...{instruction: {en: "Rest on the floor."}, goal: {en: "Ten seconds"}, pictures: []},
-  ...{most_N: 0.245, most_s: 90, trials: 5, pass: 70, guide: [], sources: [], done: []},
+  ...{most_N: 0.245, most_s: 90, trials: 5, pass: 70, guide: [], sources: [], done: [], graded: []},
 };
 
 /// The state of an exam as a candidate's page receives it.

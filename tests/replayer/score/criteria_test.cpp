@@ -117,6 +117,26 @@ TEST_F(CriteriaTest, CountCareOnlyAsFarAsTheTaskIsDone) {
   EXPECT_NEAR(grade.points, (2 * 12.5 + 50.0 + 25.0) / 4, 1e-9);
 }
 
+TEST_F(CriteriaTest, CountAllElseOnlyAsFarAsNoHarmIsDone) {
+  const Criteria criteria =
+      Load(R"({"title": "t", "pass": 50, "gates": ["long"], "harms": ["short"], "criteria": [
+    {"name": "gentle", "measure": "force_peak_N", "best": 1, "worst": 2, "weight": 2},
+    {"name": "long", "measure": "contact_s", "best": 8, "worst": 0},
+    {"name": "short", "measure": "contact_s", "best": 0, "worst": 4}]})");
+  const HandPath path = Probing(0.006, 1.0);  // 2 s
+  const Grade grade = *GradeTrial(criteria, ScorePath(path, path), path);
+  EXPECT_NEAR(grade.done, 0.25, 1e-9);
+  EXPECT_NEAR(grade.harmless, 0.5, 1e-9);
+  EXPECT_NEAR(grade.marks[0].points, 100 * 0.25 * 0.5, 1e-9);
+  EXPECT_NEAR(grade.marks[1].points, 25 * 0.5, 1e-9) << "the task does not excuse harm";
+  EXPECT_NEAR(grade.marks[2].points, 50 * 0.25, 1e-9) << "nor does care that nothing was done";
+  EXPECT_NEAR(grade.points, (2 * 12.5 + 12.5 + 12.5) / 4, 1e-9);
+  EXPECT_THAT(Complaint(R"({"title": "t", "pass": 50, "gates": ["a"], "harms": ["a"], "criteria": [
+    {"name": "a", "measure": "contact_s", "best": 8, "worst": 0},
+    {"name": "b", "measure": "time_s", "best": 8, "worst": 0}]})"),
+              HasSubstr("harms[0]: is named in \"gates\" too"));
+}
+
 TEST_F(CriteriaTest, CountForceAndTimeInAPlace) {
   const Criteria criteria = Load(R"({"title": "t", "pass": 50, "criteria": [
     {"name": "gentle", "measure": "force_over_share", "limit_N": 0.75, "best": 0, "worst": 1,

@@ -142,6 +142,21 @@ TEST_F(Measures, AreThoseOfTheExportedTables) {
   const auto on_floor = [&](std::size_t i) { return trial.OnFloor(i); };
   const auto touches = [&](std::size_t i) { return trial.path.force_N[i].norm() > 0.0; };
   const auto over = [&](std::size_t i) { return trial.path.force_N[i].norm() > 0.1; };
+  const auto longest_rest = [&](const auto& is_there) {
+    double longest_s = 0.0;
+    std::size_t begin = 0;  // of the rest; the row before its first
+    for (std::size_t i = 1; i < trial.path.size(); ++i) {
+      const auto tip = [&](std::size_t row) { return trial.path.X_WG[row] * kTip; };
+      const bool rests = touches(i) && is_there(i);
+      const bool begins = rests && (begin == 0 || (tip(i) - tip(begin)).norm() > 5e-4);
+      if (!rests) begin = 0;
+      if (begins) begin = i;
+      if (rests) {
+        longest_s = std::max(longest_s, trial.path.time_s[i] - trial.path.time_s[begin - 1]);
+      }
+    }
+    return longest_s;
+  };
   const auto both = [](const auto& a, const auto& b) {
     return [&](std::size_t i) { return a(i) && b(i); };
   };
@@ -167,6 +182,8 @@ TEST_F(Measures, AreThoseOfTheExportedTables) {
       {"time_s on the floor", trial.Time(on_floor)},
       {"contact_s", trial.Time(touches)},
       {"contact_s on the floor", trial.Time(both(touches, on_floor))},
+      {"rest_s", longest_rest(all)},
+      {"rest_s on the floor", longest_rest(on_floor)},
       {"time_ratio", trial.Time(all) / expert.Time(all)},
       {"sites_right_share", 0.5 * (std::abs(deepest_m - 5.5e-3) <= 0.6e-3)}};
   ASSERT_EQ(values.size(), report.criteria->criteria.size());
@@ -176,6 +193,8 @@ TEST_F(Measures, AreThoseOfTheExportedTables) {
   }
   EXPECT_NEAR(1e3 * *report.grades[0]->depths[0], 1e3 * deepest_m, 1e-9);
   EXPECT_GT(values.at("contact_s on the floor"), 0.5) << "it has been there";
+  EXPECT_GT(values.at("rest_s on the floor"), 0.2);
+  EXPECT_LT(values.at("rest_s on the floor"), values.at("contact_s on the floor"));
   EXPECT_NEAR(values.at("contact_s"), report.trials[0].score.expert_contact_s, 0.2)
       << "time is time, also where nothing was answered";
 }
@@ -184,13 +203,15 @@ TEST_F(Measures, AreNotOfACompleteTrialIfMoreThanATwentiethIsNotAnswered) {
   Record("expert.mcap", 0);
   Record("trial.mcap", 4);
   EXPECT_TRUE(Passed(Scored()));
-  EXPECT_EQ(Scored().trials[0].incomplete, "");
+  EXPECT_TRUE(Scored().trials[0].incomplete.empty());
   Record("trial.mcap", 7);
   const Report report = Scored();
-  EXPECT_THAT(report.trials[0].incomplete, testing::HasSubstr("7 %"));
+  ASSERT_FALSE(report.trials[0].incomplete.empty());
+  const LocalText& why = report.trials[0].incomplete[0];
+  EXPECT_THAT(why.at("en"), testing::HasSubstr("7 %"));
   EXPECT_FALSE(Passed(report)) << "0 points would be enough";
-  EXPECT_THAT(ToText(report), testing::HasSubstr(report.trials[0].incomplete));
-  EXPECT_THAT(ToHtml(report), testing::HasSubstr(report.trials[0].incomplete));
+  EXPECT_THAT(ToText(report), testing::HasSubstr(why.at("en")));
+  EXPECT_THAT(ToHtml(report), testing::HasSubstr(why.at("de"))) << "in the reader's language";
   Record("trial.mcap", 0, 6000);
   EXPECT_FALSE(Passed(Scored())) << "the server was gone, the hand went on";
 }
@@ -201,7 +222,7 @@ TEST_F(Measures, AreNotOfACompleteTrialIfItsRecordingIsCutOff) {
   EXPECT_TRUE(Passed(Scored()));
   std::filesystem::resize_file(folder / "trial.mcap",
                                2 * std::filesystem::file_size(folder / "trial.mcap") / 3);
-  EXPECT_THAT(Scored().trials[0].incomplete, testing::HasSubstr("cut off"));
+  EXPECT_THAT(EnglishOf(Scored().trials[0].incomplete.at(0)), testing::HasSubstr("cut off"));
   EXPECT_FALSE(Passed(Scored()));
 }
 

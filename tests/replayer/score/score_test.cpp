@@ -383,7 +383,8 @@ TEST(ScoreReport, SetsWhatWasCutBesideTheExpert) {
   report.cuts = {{{"caries", 8.0, 2.0}, {"pulp", 70.0, 69.5}},
                  {{"caries", 8.0, 4.0}, {"pulp", 70.0, 70.0}}};
   const std::string html = ToHtml(report);
-  EXPECT_THAT(html, HasSubstr("<td>caries</td><td>8.00 mm³</td><td>8.00 mm³"));
+  EXPECT_THAT(html, HasSubstr("data-say=\"tissue.caries\">caries</span></td><td>8.00 mm³</td>"
+                              "<td>8.00 mm³"));
   EXPECT_THAT(html, HasSubstr("<td>6.00 mm³<br><span class=\"points\">75.0 %</span></td>"));
   EXPECT_THAT(html, HasSubstr("<td>5.00 ± 1.41</td>"));
   EXPECT_THAT(ToText(report), HasSubstr("caries removed                     5.00 ± 1.41 mm³"));
@@ -559,6 +560,10 @@ TEST(ScoreReport, SaysHowFarTheTaskIsDoneAndWhatThatTakesFromCare) {
   EXPECT_NEAR(trial["marks"][1]["points"], 60.0, 0.1);
   EXPECT_EQ(trial["marks"][1]["ungated"], 100.0);
   EXPECT_THAT(ToText(ReportOf({0.004})), Not(HasSubstr("of the task"))) << "nothing gates";
+  std::swap(criteria.criteria[0].gates, criteria.criteria[0].harms);
+  report.grades = {GradeTrial(criteria, report.trials[0].score, Stroke(2.0))};
+  EXPECT_THAT(ToText(report), HasSubstr("Harm was done (near): of all other points 60 % count"));
+  EXPECT_THAT(ToHtml(report), HasSubstr("100 × 60 %"));
 }
 
 TEST(ScoreReport, SaysThatOneTrialPredictsNothing) {

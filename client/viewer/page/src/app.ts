@@ -117,6 +117,7 @@ export class App {
   };
   private readonly exercises: Exercises = new Exercises({
     publish: (message) => this.link.publish(kTopics.trial, message),
+    students: () => this.classRoom.students,
     ...this.trials,
   });
   private readonly exam: Exam = new Exam({

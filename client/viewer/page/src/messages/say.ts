@@ -54,6 +54,9 @@ export const locale = (): string => catalogue.locale ?? en.locale;
 
 const kPlaceholder = /\{(\w+)(?:, plural, ((?:\w+ \{[^{}]*\}\s*)+))?\}/g;
 
+/// Whether there is such a text, as for what a scene may name.
+export const hasText = (key: string): key is Key => key in en;
+
 export function say(key: Key, values: Values = {}): string {
   const text = catalogue[key] ?? en[key];
   return text.replace(kPlaceholder, (whole, name: string, forms: string | undefined) => {

@@ -1,6 +1,7 @@
 import {say} from "../messages/say";
 import type {LinkState} from "../protocol/connection";
 import type {Compiling} from "../protocol/health";
+import {sayReason} from "./reasons";
 import type {ReplayPhase} from "./replay";
 import {percent} from "./words";
 
@@ -64,7 +65,7 @@ export function linkReport(facts: LinkFacts): LinkReport {
   if (facts.compiling && (facts.scenes === 0 || !facts.serverLives)) {
     const {scene, stage, done} = facts.compiling;
     const share = percent(Math.floor(100 * done) / 100);
-    return info(say("link.compiles", {scene, share, stage}));
+    return info(say("link.compiles", {scene, share, stage: sayReason(stage)}));
   }
   if (facts.replay === "none" && facts.scenes > 0 && !facts.serverLives) {
     return alarm(say("link.no_server"));

@@ -1,5 +1,6 @@
 import {nameOf} from "./names";
-import {type Key, locale, say, sayList, sayNumber} from "../messages/say";
+import {sayReason} from "./reasons";
+import {hasText, type Key, locale, say, sayList, sayNumber} from "../messages/say";
 import {
   kLimiterStages,
   type LimiterStage,
@@ -53,10 +54,16 @@ export function spokenTime(seconds: number): string {
 export const fitBytes = (text: string, most: number): string =>
   text.slice(0, new TextEncoder().encodeInto(text, new Uint8Array(most)).read);
 
+/// Names a tissue or another part of a scene.
+export function partWords(name: string): string {
+  const key = `tissue.${name}`;
+  return hasText(key) ? say(key) : name.replace(/[-_]/g, " ");
+}
+
 /// Names what pushes the tool.
 export function touchedWords(names: readonly string[]): string {
   if (names.length === 0) return say("touched.nothing");
-  const [first, second] = names.map((name) => name.replace(/[-_]/g, " "));
+  const [first, second] = names.map(partWords);
   if (second === undefined) return first!;
   return names.length === 2
     ? say("touched.two", {first: first!, second})
@@ -238,14 +245,15 @@ export function deviceLines(device: StationStatistics): Line[] {
 
 /// Names a mark of a replay, with the replayer's text if it has one.
 export function markWords(mark: ReplayMark): string {
-  return mark.text || say(`mark.${mark.kind}`);
+  const own = mark.kind === "bookmark" ? mark.text : sayReason(mark.text);
+  return own || say(`mark.${mark.kind}`);
 }
 
 export function gapWords({station: id, reason}: ReplayGap): string {
   const station = nameOf(id);
   return reason === ""
     ? say("replay.gap", {station})
-    : say("replay.gap_because", {station, reason});
+    : say("replay.gap_because", {station, reason: sayReason(reason)});
 }
 
 /// Formats a wall-clock time in seconds since 1970, in the reader's time zone.
@@ -264,7 +272,7 @@ export function sessionWords(session: SessionState): string {
     case "active":
       return say("session.drives", {tool, scene});
     case "refused":
-      return say("session.refused", {tool, scene, reason});
+      return say("session.refused", {tool, scene, reason: sayReason(reason)});
     case "acquiring":
       return say("session.acquiring", {tool, scene, depth: figure(1000 * session.startDepthM, 1)});
     case "waiting":

@@ -1,6 +1,7 @@
 import {say, type Words} from "../messages/say";
 import {type Pose, samePose, type Vec3} from "../base/pose";
 import type {MouseState} from "../protocol/messages";
+import {reasonWords} from "../model/reasons";
 import {leash, push, roll, slide, turn, type ViewFrame} from "./tool_motion";
 
 export type Hold = "none" | "asking" | "holding";
@@ -106,16 +107,16 @@ export class MouseDevice {
     if (state.station !== "") this.station = state.station;
     switch (state.phase) {
       case "refused":
-        this.end(state.reason === "" ? () => say("tool.refused") : state.reason);
+        this.end(state.reason === "" ? () => say("tool.refused") : reasonWords(state.reason));
         break;
       case "ended":
-        if (this.hold === "holding") this.end(state.reason);
+        if (this.hold === "holding") this.end(reasonWords(state.reason));
         break;
       case "waiting":
       case "acquiring":
       case "active":
         if (this.hold === "asking") this.begin();
-        this.message = state.phase === "acquiring" ? state.reason : "";
+        this.message = state.phase === "acquiring" ? reasonWords(state.reason) : "";
         this.host.changed();
         break;
       case "held":

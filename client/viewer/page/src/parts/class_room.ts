@@ -1,6 +1,7 @@
 import {say, type Words} from "../messages/say";
 import {norm} from "../base/pose";
 import {ownText} from "../model/local_text";
+import {reasonWords, sayReason} from "../model/reasons";
 import {nameOf, tellNames} from "../model/names";
 import type {Station} from "../model/station";
 import {kTopics, type World} from "../model/world";
@@ -83,6 +84,11 @@ export class ClassRoom {
   /// Number of this page's person; 0: none.
   get person(): number {
     return this.me?.person ?? 0;
+  }
+
+  /// The number of people who are to have seats, as far as this page knows them.
+  get students(): number {
+    return this.class.people.filter(({role}) => role === "drive").length;
   }
 
   /// Deletes a person with all of their data.  @param done  is given the refusal, or ""
@@ -183,7 +189,7 @@ export class ClassRoom {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
-      this.room.tell(note !== "" ? note : () => say("class.begun"));
+      this.room.tell(note !== "" ? reasonWords(note) : () => say("class.begun"));
       for (const [id, {session}] of this.world.stations)
         if (session?.phase === "held") this.operate("admit", id);
     });
@@ -216,7 +222,7 @@ export class ClassRoom {
     const tag = (this.tag += 1);
     this.room.tell("");
     this.waiting.set(tag, (answer) => {
-      if (answer.refusal !== "") refused(answer.refusal);
+      if (answer.refusal !== "") refused(reasonWords(answer.refusal));
       else done(answer);
     });
     setTimeout(() => {
@@ -259,7 +265,7 @@ function trialOf({trial}: Person): Pick<OnWall, "trial" | "trialFails"> {
     trial: say("class.trial", {
       exercise,
       n,
-      state: say(`exercises.${key}`, {ahead, reason, points}),
+      state: say(`exercises.${key}`, {ahead, reason: sayReason(reason), points}),
     }),
     trialFails: phase === "unscored" || phase === "unentered",
   };

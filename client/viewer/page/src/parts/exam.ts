@@ -1,5 +1,6 @@
 import {say} from "../messages/say";
 import {ownText} from "../model/local_text";
+import {sayReason} from "../model/reasons";
 import {clock} from "../model/words";
 import {kTopics} from "../model/world";
 import type {ExamAnswer, ExamState, OpenExam} from "../protocol/exam_messages";
@@ -145,8 +146,9 @@ export class Exam {
 
   private wordOf(open: OpenExam): string {
     const phase = this.trial?.phase;
-    if (phase && kBusy.has(phase)) return say(`exercises.${phase}`, {reason: this.trial!.reason});
-    if (open.cut) return say("exam.cut", {reason: open.cut});
+    if (phase && kBusy.has(phase))
+      return say(`exercises.${phase}`, {reason: sayReason(this.trial!.reason)});
+    if (open.cut) return say("exam.cut", {reason: sayReason(open.cut)});
     if (!open.exercise) return say("exam.done");
     if (this.events.served(open.exercise) === "") return say("exercises.not_served");
     return phase === "kept" ? say("exercises.kept") : "";

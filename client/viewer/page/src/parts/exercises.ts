@@ -1,9 +1,16 @@
 import {say} from "../messages/say";
 import {Guide} from "../model/guide";
 import {ownText, scoreLink} from "../model/local_text";
+import {sayReason} from "../model/reasons";
 import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
-import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
+import type {
+  DoneTrial,
+  Exercise,
+  ExerciseList,
+  Graded,
+  TrialState,
+} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
 import {Room} from "../ui/room";
 import {followLanguage, setWords} from "../ui/spoken";
@@ -14,6 +21,8 @@ export interface ExerciseEvents {
   served(exercise: Exercise): string;
   /// The person's seat; empty: none.
   seat(): string;
+  /// The number of people who are to have seats.
+  students(): number;
   begin(scene: string, tool: string, ask: () => boolean): void;
 }
 
@@ -25,6 +34,11 @@ function verdictOf(trial: DoneTrial): string {
   );
 }
 
+function gradedWords({name, points, gates, harms}: Graded): string {
+  const key = gates ? "exercises.task" : harms ? "exercises.harm" : "exercises.care";
+  return say(key, {name: ownText(name), points: Math.round(points)});
+}
+
 /// The exercises, the running trial, and its result.
 export class Exercises {
   private readonly room = new Room(
@@ -34,6 +48,7 @@ export class Exercises {
   );
   private readonly list = make("ul.list");
   private readonly about = make("div.about");
+  private readonly server = make("div.server");
   private readonly bar = make("section", {id: "trial-bar", hidden: true});
   private readonly what = make("b");
   private readonly word = make("span", {role: "status"});
@@ -52,7 +67,7 @@ export class Exercises {
   private guide: Guide | undefined; // of the running trial
 
   constructor(private readonly events: ExerciseEvents) {
-    this.room.fill({}, make("div.columns", this.list, this.about));
+    this.room.fill({}, this.server, make("div.columns", this.list, this.about));
     setWords(this.bar, "ariaLabel", () => say("exercises.title"));
     const {what, word, clock, guided, stop, submit, score, again, next} = this;
     setWords(guided, "title", () => say("exercises.guide_title"));
@@ -138,9 +153,11 @@ export class Exercises {
         make("span.quiet", this.placeOf(exercise)),
       );
       pick.setAttribute("aria-pressed", String(exercise.name === this.shown));
+      pick.classList.toggle("absent", this.events.served(exercise) === "");
       return make("li", pick);
     });
     this.list.replaceChildren(...items);
+    this.server.replaceChildren(...this.aboutServer());
     const exercise = this.exercises.find(({name}) => name === this.shown);
     if (exercise) this.about.replaceChildren(...this.aboutOf(exercise));
   }
@@ -172,18 +189,35 @@ export class Exercises {
       make("p.quiet", limits),
       begin,
       make("p.quiet", this.placeOf(exercise)),
+      make("h4", say("exercises.graded", {pass: exercise.pass})),
+      make("ul.graded", ...exercise.graded.map((one) => make("li", gradedWords(one)))),
       make("ol.done", ...exercise.done.map((trial) => this.rowOf(exercise, trial))),
       make("p.quiet", say("exercises.one")),
     ];
   }
 
-  /// The scene or seat in which it is done, or why it cannot be.
+  /// The scene or seat in which it is done, and with what; or why it cannot be.
   private placeOf(exercise: Exercise): string {
+    const {tool} = exercise;
     const scene = this.events.served(exercise);
     const seat = this.events.seat();
-    if (scene === "") return say("exercises.not_served");
-    if (seat !== "" && scene !== seat) return say("exercises.other_seat", {seat});
-    return say("exercises.at", {scene});
+    if (scene === "") return say("exercises.needs", {scene: exercise.scene, tool});
+    if (seat === "") return say("exercises.at", {scene, tool});
+    return scene === seat
+      ? say("exercises.at_seat", {seat, tool})
+      : say("exercises.other_seat", {seat});
+  }
+
+  /// How many exercises can be done now; to a teacher, also what serves them all.
+  private aboutServer(): HTMLElement[] {
+    const {exercises} = this;
+    const served = exercises.filter((exercise) => this.events.served(exercise) !== "").length;
+    const count = make("p.quiet", say("exercises.served", {served, all: exercises.length}));
+    const scenes = new Set(exercises.flatMap(({serve}) => serve ?? []));
+    if (served === exercises.length || scenes.size === 0) return [count];
+    const seats = Math.max(1, this.events.students());
+    const command = `palpate-server ${[...scenes].join(" ")} --seats ${seats}`;
+    return [count, make("p", say("exercises.serve")), make("pre", command)];
   }
 
   private rowOf(exercise: Exercise, trial: DoneTrial): HTMLLIElement {
@@ -193,7 +227,7 @@ export class Exercises {
     row.append(make("b", said), make("span", verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
     // Not only where a pointer rests: a phone has none.
-    if (points === null) row.append(make("span", {className: "quiet"}, trial.reason));
+    if (points === null) row.append(make("span", {className: "quiet"}, sayReason(trial.reason)));
     if (trial.submitted) row.append(make("span", say("exercises.submitted")));
     else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;
@@ -240,7 +274,8 @@ export class Exercises {
     const over = !this.isBusy;
     setText(this.what, `${ownText(exercise.title)}: ${ownText(exercise.goal)}`);
     const points = Math.round(trial.points ?? 0);
-    const {reason, ahead = 0} = trial;
+    const {ahead = 0} = trial;
+    const reason = sayReason(trial.reason);
     const verdict = verdictOf(trial);
     setText(this.word, say(`exercises.${trial.phase}`, {points, verdict, reason, ahead}));
     this.bar.dataset["verdict"] = trial.phase !== "scored" ? "" : trial.passed ? "good" : "poor";

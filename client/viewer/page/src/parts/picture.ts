@@ -4,7 +4,7 @@ import type {Pose} from "../base/pose";
 import {looksTheSame} from "../model/pose_track";
 import {type Drawn, PictureQuality, qualityOf} from "../model/quality";
 import type {Remains} from "../model/remains";
-import {pictureWords} from "../model/words";
+import {partWords, pictureWords} from "../model/words";
 import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
 import {element, make} from "../ui/elements";
@@ -123,7 +123,11 @@ export class Picture {
     const items = [...named].map(([name, colour]) => {
       const swatch = make("i.swatch");
       swatch.style.setProperty("--of", `#${colour.toString(16).padStart(6, "0")}`);
-      return make("li", swatch, name);
+      return make(
+        "li",
+        swatch,
+        make("span", () => partWords(name)),
+      );
     });
     const list = element("tissues", HTMLUListElement);
     list.replaceChildren(...items);

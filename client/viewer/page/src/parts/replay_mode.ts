@@ -1,5 +1,6 @@
 import {say} from "../messages/say";
 import {kHereS, markAfter, markBefore, type Replay, type ReplayPhase} from "../model/replay";
+import {sayReason} from "../model/reasons";
 import {type Wish, Wishes} from "../model/wishes";
 import {clock, markWords, percent, recordedWhen, spokenTime} from "../model/words";
 import type {Station} from "../model/station";
@@ -50,7 +51,8 @@ export class ReplayMode {
   ) {
     this.wishes = new Wishes(
       (message) => link.publish(kTopics.replay, message),
-      (_wish, reason) => notice.say(() => say("replay.not_done", {reason}), {alarm: true}),
+      (_wish, reason) =>
+        notice.say(() => say("replay.not_done", {reason: sayReason(reason)}), {alarm: true}),
     );
     followLanguage(() => void (this.shown = undefined)); // the marks are listed again
     this.bar = new ScrubBar((atS) => this.seek(atS));

@@ -1,4 +1,5 @@
 import {say} from "../messages/say";
+import {sayReason} from "../model/reasons";
 import type {SceneWhole, WholeWish} from "../protocol/messages";
 import {onPress} from "../ui/elements";
 import type {Notice} from "../ui/notice";
@@ -47,6 +48,6 @@ export class WholeButton {
   }
 
   private sayNot(wish: WholeWish, reason: string): void {
-    this.notice.say(() => say(`whole.not_${wish}`, {reason}), {alarm: true});
+    this.notice.say(() => say(`whole.not_${wish}`, {reason: sayReason(reason)}), {alarm: true});
   }
 }

@@ -11,11 +11,18 @@ export interface DoneTrial {
   readonly reason: string;
   readonly page: string; // key of the score page, below /score/; empty: there is none
 }
+export interface Graded {
+  readonly name: LocalText;
+  readonly points: number; // of 100, at most
+  readonly gates: boolean; // the task: the others count only as far as it is done
+  readonly harms: boolean; // the others count only as far as this harm is not done
+}
 export interface Exercise {
   readonly name: string;
   readonly title: LocalText;
   readonly scene: string;
   readonly tool: string;
+  readonly serve?: string; // to a teacher: the scene that palpate-server is to be told
   readonly instruction: LocalText;
   readonly pictures: readonly {readonly path: string; readonly text: LocalText}[];
   readonly goal: LocalText;
@@ -23,6 +30,7 @@ export interface Exercise {
   readonly most_s: number;
   readonly trials: number;
   readonly pass: number;
+  readonly graded: readonly Graded[];
   readonly guide: readonly (readonly number[])[]; // keys of the expert's motion; empty: not shown
   readonly done: readonly DoneTrial[];
 }

@@ -1,5 +1,6 @@
 import {type Key, say} from "../messages/say";
 import {ownText} from "../model/local_text";
+import {reasonWords, sayReason} from "../model/reasons";
 import type {ExamFile, ExamPerson, ExamState, ExamTrial, OpenExam} from "../protocol/exam_messages";
 import {make, press, setText, sure} from "./elements";
 import {Room} from "./room";
@@ -35,7 +36,7 @@ export class ExamDesk {
   }
 
   tell(refusal: string): void {
-    this.room.tell(refusal, true);
+    this.room.tell(reasonWords(refusal), true);
   }
 
   tick(left: string): void {
@@ -61,7 +62,7 @@ export class ExamDesk {
   }
 
   private rowOf({name, title, tasks, time_s, wrong}: ExamFile, isOpen: boolean): HTMLLIElement {
-    if (wrong !== "") return make("li.alarm", `${name}: ${wrong}`);
+    if (wrong !== "") return make("li.alarm", `${name}: ${sayReason(wrong)}`);
     const about = say("exam.file", {tasks, minutes: Math.round(time_s / 60)});
     const open = ask("exam.open", () => this.wish({op: "open", exam: name}));
     open.disabled = isOpen;
@@ -119,7 +120,7 @@ export class ExamDesk {
 function wordsOf({task, counts, running, cut, sealed, scored, points}: ExamTrial): string {
   const words = [say("exam.task", {task: task + 1})];
   if (running) words.push(say("exam.runs"));
-  if (cut !== "") words.push(say("exam.cut", {reason: cut}));
+  if (cut !== "") words.push(say("exam.cut", {reason: sayReason(cut)}));
   if (!counts) words.push(say("exam.void"));
   if (sealed) words.push(say("exam.sealed"));
   if (points !== null) words.push(say("exercises.points", {points: Math.round(points)}));

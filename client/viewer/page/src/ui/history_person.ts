@@ -1,5 +1,6 @@
 import {scoreLink} from "../model/local_text";
 import {say, sayNumber} from "../messages/say";
+import {sayReason} from "../model/reasons";
 import {whenWords} from "../model/words";
 import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
@@ -122,7 +123,7 @@ function tableOf(exercise: OwnExercise): HTMLElement {
     how.textContent = [
       trial.whole ? "" : say("exercises.not_whole"),
       trial.submitted ? say("exercises.submitted") : "",
-      trial.points === null ? trial.reason : "",
+      trial.points === null ? sayReason(trial.reason) : "",
     ]
       .filter((word) => word !== "")
       .join(", ");
