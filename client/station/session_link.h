@@ -28,6 +28,7 @@ struct LinkOptions {
   RealtimeOptions realtime;
   double patience_s = 10.0;  ///< longest wait for a server's first answer
   /// Also waits up to 3 s for a recorder to read the poses before it sends any.
+  bool keeps_scene = false;  ///< nobody may restore the scene while it has its session
   bool awaits_recorder = false;
 };
 
