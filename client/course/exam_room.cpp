@@ -384,10 +384,19 @@ std::size_t ExamRoom::PlaceOf(std::int64_t person, std::size_t task) const {
   return static_cast<std::size_t>(std::ranges::find(order, static_cast<int>(task)) - order.begin());
 }
 
+const Exercise* ExamRoom::ExerciseOf(std::size_t task) const {
+  return task < newest_.exam.tasks.size() ? trials_.Find(newest_.exam.tasks[task].exercise)
+                                          : nullptr;
+}
+
 std::string ExamRoom::SceneOf(std::size_t task) const {
-  const Exercise* const exercise =
-      task < newest_.exam.tasks.size() ? trials_.Find(newest_.exam.tasks[task].exercise) : nullptr;
+  const Exercise* const exercise = ExerciseOf(task);
   return exercise == nullptr ? "" : exercise->scene_name;
+}
+
+std::size_t ExamRoom::PresentTaskOf(std::int64_t person) const {
+  const Trial* const runs = RunningOf(person);
+  return runs == nullptr ? TaskOf(person) : static_cast<std::size_t>(runs->task);
 }
 
 const ExamRoom::Trial* ExamRoom::RunningOf(std::int64_t person) const {
@@ -696,7 +705,7 @@ std::string ExamRoom::CutOf(const Trial& trial) {
 std::string ExamRoom::TurnJson(std::int64_t person, std::int64_t now_s) const {
   const ExamTurns::Turn& turn = turns_.Of(person);
   const Trial* const runs = RunningOf(person);
-  const std::size_t task = runs ? static_cast<std::size_t>(runs->task) : TaskOf(person);
+  const std::size_t task = PresentTaskOf(person);
   const auto scene_of = [this](std::int64_t of) { return NextSceneOf(of); };
   const char* const phase = runs                                ? "works"
                             : task == newest_.exam.tasks.size() ? "done"
@@ -727,11 +736,8 @@ std::string ExamRoom::ClassJson(std::int64_t now_s) const {
                         {"scored", trial.scored},
                         {"points", trial.points ? Json(*trial.points) : Json()}});
     }
-    const Trial* const runs = RunningOf(person);
-    const std::size_t task = runs ? static_cast<std::size_t>(runs->task) : TaskOf(person);
-    const Exercise* const exercise = task < newest_.exam.tasks.size()
-                                         ? trials_.Find(newest_.exam.tasks[task].exercise)
-                                         : nullptr;
+    const std::size_t task = PresentTaskOf(person);
+    const Exercise* const exercise = ExerciseOf(task);
     json["people"].push_back({{"person", person},
                               {"name", NameOf(person)},
                               {"task", task},
@@ -753,22 +759,17 @@ std::string ExamRoom::OwnJson(std::int64_t person, std::int64_t now_s) const {
     newest = at;
     json["cut"] = CutOf(trial);
   }
-  const Trial* const runs = RunningOf(person);
-  const std::size_t at = runs ? static_cast<std::size_t>(runs->task) : TaskOf(person);
+  const std::size_t at = PresentTaskOf(person);
   json["task"] = PlaceOf(person, at);
   json["turn"] = Json::parse(TurnJson(person, now_s));
   json["turn"]["works"] = Json::array();
   if (at == newest_.exam.tasks.size()) return Text(json);
   for (const std::int64_t other : newest_.people) {
-    const Trial* const theirs = RunningOf(other);
-    if (other == person || !theirs ||
-        SceneOf(static_cast<std::size_t>(theirs->task)) != SceneOf(at)) {
-      continue;
-    }
-    json["turn"]["works"].push_back(NameOf(other));
+    const bool is_there = RunningOf(other) && SceneOf(PresentTaskOf(other)) == SceneOf(at);
+    if (other != person && is_there) json["turn"]["works"].push_back(NameOf(other));
   }
   const ExamTask& task = newest_.exam.tasks[at];
-  json["trial"] = DoneOf(person, at) + (runs ? 0 : 1);
+  json["trial"] = DoneOf(person, at) + (RunningOf(person) ? 0 : 1);
   json["trials"] = task.trials;
   json["time_s"] = task.time_s;
   json["exercise"] = Json::parse(trials_.DescribeJson(task.exercise));

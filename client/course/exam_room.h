@@ -127,7 +127,10 @@ class ExamRoom {
   std::size_t TaskOf(std::int64_t person) const;
   /// Returns which of the person's tasks a task is, from 0, in the person's order.
   std::size_t PlaceOf(std::int64_t person, std::size_t task) const;
-  /// Returns the scene of a task, or of the person's next one; empty: all are done.
+  /// Returns the task that the person does, or else the next one, as TaskOf.
+  std::size_t PresentTaskOf(std::int64_t person) const;
+  /// Returns the exercise of a task; null: there is no such task, or its file has gone.
+  const Exercise* ExerciseOf(std::size_t task) const;
   std::string SceneOf(std::size_t task) const;
   std::string NextSceneOf(std::int64_t person) const { return SceneOf(TaskOf(person)); }
   /// Returns the person's running trial; null: none runs.

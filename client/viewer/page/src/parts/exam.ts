@@ -103,11 +103,11 @@ export class Exam {
   tick(nowS: number): void {
     const {open} = this.state;
     if (!open) return;
-    this.endsS ??= nowS + open.left_s;
+    const {turn} = open;
+    const stands = !this.teaches && turn?.phase === "waits";
+    if (stands || this.endsS === undefined) this.endsS = nowS + open.left_s;
     const left = clock(Math.ceil(this.endsS - nowS));
     if (this.teaches) return this.desk.tick(left, nowS);
-    const {turn} = open;
-    if (turn?.phase === "waits") this.endsS = nowS + open.left_s; // the clock stands
     this.calledS ??= nowS + (turn?.left_s ?? 0);
     if (turn?.phase === "called" && !this.isBusy) {
       const time = clock(Math.max(0, Math.ceil(this.calledS - nowS)));
