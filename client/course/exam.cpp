@@ -68,7 +68,7 @@ Exam LoadExam(const std::string& file) {
   }
   const std::string text = ReadWholeFile(file, JsonNode::kMostBytes);
   const JsonNode root = JsonNode::Parse(text, file);
-  root.AllowOnly({"title", "tasks", "time_s", "people"});
+  root.AllowOnly({"title", "tasks", "time_s", "order", "people"});
   Exam exam;
   exam.sha256 = Sha256(text);
   exam.name = fs::path(file).filename().string();
@@ -87,6 +87,9 @@ Exam LoadExam(const std::string& file) {
   if (nodes.size() > kMostTasks) tasks.Fail("has more than 50; split it into two exams");
   for (const JsonNode& node : nodes) {
     exam.tasks.push_back(ReadTask(node, parent.empty() ? "." : parent.string()));
+  }
+  if (const auto order = root.Find("order")) {
+    exam.rotates = order->OneOf({"given", "rotated"}) == "rotated";
   }
   if (const auto people = root.Find("people")) {
     std::vector<NameLook> looks;

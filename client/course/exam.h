@@ -27,6 +27,7 @@ struct Exam {
   LocalText title;
   std::vector<ExamTask> tasks;
   double time_s = 0.0;              ///< total time from the opening of the exam
+  bool rotates = false;             ///< candidates begin at different scenes
   std::vector<std::string> people;  ///< names; empty: everybody with the role "drive"
 };
 

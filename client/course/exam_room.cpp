@@ -55,7 +55,12 @@ void Bind(SQLite::Statement& statement, const Values&... values) {
 
 ExamRoom::ExamRoom(std::string folder, CourseFile& file, Roster& roster, TrialRoom& trials,
                    std::int64_t now_s)
-    : folder_(std::move(folder)), file_(file), roster_(roster), trials_(trials), seals_(folder_) {
+    : folder_(std::move(folder)),
+      file_(file),
+      roster_(roster),
+      trials_(trials),
+      seals_(folder_),
+      turns_(file) {
   file_.Use([](SQLite::Database& database) { database.exec(kTables); });
   Read();
   Do(R"({"tag": 0, "op": "look"})", now_s);
@@ -83,7 +88,10 @@ void ExamRoom::TakeUp(std::int64_t now_s) {
   }
   if (!newest_.is_open()) return;
   const std::int64_t down_s = now_s - newest_.alive_s;
-  if (down_s > 2 * kBeat_s) Set("down_s", newest_.down_s + down_s);
+  if (down_s > 2 * kBeat_s) {
+    Set("down_s", newest_.down_s + down_s);
+    turns_.Move(down_s);  // it may be given back to all, so it is nobody's waiting
+  }
   if (down_s < 0) ClockWasSet(down_s);  // or all would gain that time
   spdlog::warn(
       "exam '{}' is still open and continues; its clock ran on for the {} s without a gateway",
@@ -114,7 +122,9 @@ void ExamRoom::Read() try {
     people.bind(1, newest_.number);
     while (people.executeStep()) newest_.people.insert(people.getColumn(0).getInt64());
   });
-  if (newest_.number != 0) ReadTrials();
+  if (newest_.number == 0) return;
+  turns_.Read(newest_.number, newest_.people, static_cast<int>(newest_.exam.tasks.size()));
+  ReadTrials();
 } catch (const Json::exception& error) {
   throw Error(
       fmt::format("course.sqlite: exam {}: {}; it was changed by hand; restore it from a copy",
@@ -172,7 +182,7 @@ void ExamRoom::SetEnd(std::int64_t ends_s) {
     seals_.Change([&](Roll& roll) { roll.ends_s = ends_s; });
   }
   Set("ends_s", ends_s);
-  time_was_over_ = false;
+  over_.clear();
 }
 
 // --- what a teacher does ---
@@ -261,10 +271,17 @@ void ExamRoom::Store(const Exam& exam, const std::set<std::int64_t>& people,
          roll.ends_s, now_s);
     row.exec();
     roll.exam_number = database.getLastInsertRowid();
+    std::vector<std::string> scenes;
+    for (const ExamTask& task : exam.tasks) {
+      scenes.push_back(trials_.Find(task.exercise)->scene_name);
+    }
+    std::size_t n = 0;
     for (const std::int64_t person : people) {
       SQLite::Statement one(database, "INSERT INTO exam_people(exam, person) VALUES(?, ?)");
       Bind(one, roll.exam_number, person);
       one.exec();
+      ExamTurns::Store(database, roll.exam_number, person,
+                       ExamTurns::OrderOf(n++, exam.rotates, scenes));
     }
     seals_.Open(roll);
     whole.commit();
@@ -296,7 +313,7 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   const std::set<std::int64_t> people = PeopleOf(exam);
   Store(exam, people, now_s);
   Read();
-  time_was_over_ = false;
+  over_.clear();
   set_by_s_ = owed_s_ = 0;
   trials_.EndOf(people, "an exam begins");
   trials_.ForgetPages(people);
@@ -304,8 +321,10 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
 
 void ExamRoom::Again(std::int64_t person) {
   const auto last = std::ranges::max_element(newest_.trials, {}, [&](const Trial& trial) {
-    return trial.person == person && trial.counts ? std::pair(trial.task, trial.n)
-                                                  : std::pair(-1, 0);
+    // The task done last, from 1, and its last trial.
+    return trial.person == person && trial.counts
+               ? std::pair(PlaceOf(person, static_cast<std::size_t>(trial.task)) + 1, trial.n)
+               : std::pair(std::size_t{0}, 0);
   });
   if (last == newest_.trials.end() || last->person != person || !last->counts) {
     throw Error("that person has no trial to repeat");
@@ -353,12 +372,89 @@ int ExamRoom::DoneOf(std::int64_t person, std::size_t task) const {
 }
 
 std::size_t ExamRoom::TaskOf(std::int64_t person) const {
-  std::size_t task = 0;
-  while (task < newest_.exam.tasks.size() &&
-         DoneOf(person, task) >= newest_.exam.tasks[task].trials) {
-    ++task;
+  for (const int at : turns_.Of(person).tasks) {
+    const auto task = static_cast<std::size_t>(at);
+    if (DoneOf(person, task) < newest_.exam.tasks.at(task).trials) return task;
   }
-  return task;
+  return newest_.exam.tasks.size();
+}
+
+std::size_t ExamRoom::PlaceOf(std::int64_t person, std::size_t task) const {
+  const std::vector<int>& order = turns_.Of(person).tasks;
+  return static_cast<std::size_t>(std::ranges::find(order, static_cast<int>(task)) - order.begin());
+}
+
+const Exercise* ExamRoom::ExerciseOf(std::size_t task) const {
+  return task < newest_.exam.tasks.size() ? trials_.Find(newest_.exam.tasks[task].exercise)
+                                          : nullptr;
+}
+
+std::string ExamRoom::SceneOf(std::size_t task) const {
+  const Exercise* const exercise = ExerciseOf(task);
+  return exercise == nullptr ? "" : exercise->scene_name;
+}
+
+std::size_t ExamRoom::PresentTaskOf(std::int64_t person) const {
+  const Trial* const runs = RunningOf(person);
+  return runs == nullptr ? TaskOf(person) : static_cast<std::size_t>(runs->task);
+}
+
+const ExamRoom::Trial* ExamRoom::RunningOf(std::int64_t person) const {
+  const auto runs = std::ranges::find_if(newest_.trials, [&](const Trial& trial) {
+    return trial.person == person && trial.counts && trial.ended_s == 0;
+  });
+  return runs == newest_.trials.end() ? nullptr : &*runs;
+}
+
+std::int64_t ExamRoom::Waited_s(std::int64_t person, std::int64_t now_s) const {
+  const ExamTurns::Turn& turn = turns_.Of(person);
+  std::int64_t waited_s = turn.waited_s + turn.WaitsFor_s(now_s);
+  for (const Roll::Entry& entry : seals_.roll().trials) {
+    if (entry.person == person) waited_s += entry.waited_s;
+  }
+  return waited_s;
+}
+
+std::int64_t ExamRoom::EndsFor_s(std::int64_t person, std::int64_t now_s) const {
+  return newest_.ends_s + owed_s_ + Waited_s(person, now_s);
+}
+
+std::string ExamRoom::SeatToBegin(std::int64_t person, std::int64_t now_s,
+                                  const ExamTurns::Seats& seats) {
+  turns_.Ask(person, now_s);
+  turns_.Call(now_s, seats, [this](std::int64_t of) { return NextSceneOf(of); });
+  changed_ = true;
+  return turns_.Of(person).seat;
+}
+
+void ExamRoom::CallNext(std::int64_t now_s, const ExamTurns::Seats& seats) {
+  if (!newest_.is_open() || now_s < retry_s_) return;
+  try {
+    const bool changed =
+        turns_.Call(now_s, seats, [this](std::int64_t of) { return NextSceneOf(of); });
+    changed_ = changed_ || changed;
+  } catch (const CourseHeld&) {  // it is tried again
+  } catch (const Error& error) {
+    Stumble(error, now_s);
+  }
+}
+
+bool ExamRoom::IsKept(const std::string& seat) const {
+  return newest_.is_open() && turns_.IsKept(seat);
+}
+
+std::string ExamRoom::LastSeatOf(std::int64_t person, const std::string& scene) const {
+  std::string seat;
+  std::int64_t begun_s = 0;
+  for (const Trial& trial : newest_.trials) {
+    if (trial.person != person || trial.begun_s < begun_s ||
+        SceneOf(static_cast<std::size_t>(trial.task)) != scene) {
+      continue;
+    }
+    seat = trial.scene;
+    begun_s = trial.begun_s;
+  }
+  return seat;
 }
 
 std::size_t ExamRoom::TaskToBegin(std::int64_t person, const std::string& exercise,
@@ -370,7 +466,7 @@ std::size_t ExamRoom::TaskToBegin(std::int64_t person, const std::string& exerci
   const std::size_t at = TaskOf(person);
   if (at == newest_.exam.tasks.size()) throw Error("you have done all of the exam's tasks");
   if (exercise != newest_.exam.tasks[at].exercise) throw Error("this is not the exam's next task");
-  if (now_s >= newest_.ends_s + owed_s_) throw Error(kTimeIsOver);
+  if (now_s >= EndsFor_s(person, now_s)) throw Error(kTimeIsOver);
   return at;
 }
 
@@ -398,9 +494,13 @@ void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_n
       entry.scene = of.scene;
       entry.scene_hash = Hex16(of.scene_hash);
       entry.begun_s = now_s;
+      const ExamTurns::Turn& turn = turns_.Of(of.person);
+      entry.waited_s = turn.waited_s + turn.WaitsFor_s(now_s);
+      turns_.Begin(database, of.person);
       seals_.Begin(entry, now_s);
       whole.commit();
     });
+    turns_.Begun(of.person);
   } catch (const Error&) {
     trials_.End(of.holder, "the exam's file cannot be written");
     throw;
@@ -418,6 +518,7 @@ void ExamRoom::ClockWasSet(std::int64_t by_s) {
                newest_.exam.name, by_s);
   set_by_s_ += by_s;
   owed_s_ += by_s;
+  turns_.Move(by_s);
   newest_.alive_s += by_s;
   changed_ = true;
 }
@@ -564,8 +665,9 @@ bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
         });
         newest_.alive_s = now_s;
       }
-      if (now_s >= newest_.ends_s && !std::exchange(time_was_over_, true)) {
-        trials_.EndOf(newest_.people, kTimeIsOver);
+      for (const std::int64_t person : newest_.people) {
+        if (now_s < EndsFor_s(person, now_s) || !over_.insert(person).second) continue;
+        trials_.EndOf({person}, kTimeIsOver);
         changed_ = true;
       }
     }
@@ -577,12 +679,16 @@ bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
       ScoreAll();
     }
   } catch (const std::exception& error) {
-    if (trouble_ != error.what()) spdlog::error("exam '{}': {}", newest_.exam.name, error.what());
-    trouble_ = error.what();
-    retry_s_ = now_s + kRetry_s;
-    changed_ = true;
+    Stumble(error, now_s);
   }
   return std::exchange(changed_, false);
+}
+
+void ExamRoom::Stumble(const std::exception& error, std::int64_t now_s) {
+  if (trouble_ != error.what()) spdlog::error("exam '{}': {}", newest_.exam.name, error.what());
+  trouble_ = error.what();
+  retry_s_ = now_s + kRetry_s;
+  changed_ = true;
 }
 
 // --- what pages are told ---
@@ -596,7 +702,26 @@ std::string ExamRoom::CutOf(const Trial& trial) {
   return trial.ended_s != 0 && (!trial.whole || !kInOrder.contains(ended)) ? ended : "";
 }
 
-std::string ExamRoom::ClassJson() const {
+std::string ExamRoom::TurnJson(std::int64_t person, std::int64_t now_s) const {
+  const ExamTurns::Turn& turn = turns_.Of(person);
+  const Trial* const runs = RunningOf(person);
+  const std::size_t task = PresentTaskOf(person);
+  const auto scene_of = [this](std::int64_t of) { return NextSceneOf(of); };
+  const char* const phase = runs                                ? "works"
+                            : task == newest_.exam.tasks.size() ? "done"
+                            : turn.waits()                      ? "waits"
+                            : turn.place != 0                   ? "called"
+                                                                : "ready";
+  return Text({{"phase", phase},
+               {"scene", SceneOf(task)},
+               {"seat", runs ? runs->scene : turn.seat},
+               {"ahead", turn.waits() ? turns_.AheadOf(person, scene_of) : 0},
+               {"left_s", turn.seat.empty() ? 0 : std::max<std::int64_t>(0, turn.until_s - now_s)},
+               {"waits_s", turn.WaitsFor_s(now_s)},
+               {"waited_s", Waited_s(person, now_s)}});
+}
+
+std::string ExamRoom::ClassJson(std::int64_t now_s) const {
   Json json = {{"down_s", newest_.down_s}, {"set_by_s", set_by_s_}, {"people", Json::array()}};
   for (const std::int64_t person : newest_.people) {
     Json trials = Json::array();
@@ -611,29 +736,40 @@ std::string ExamRoom::ClassJson() const {
                         {"scored", trial.scored},
                         {"points", trial.points ? Json(*trial.points) : Json()}});
     }
+    const std::size_t task = PresentTaskOf(person);
+    const Exercise* const exercise = ExerciseOf(task);
     json["people"].push_back({{"person", person},
                               {"name", NameOf(person)},
-                              {"task", TaskOf(person)},
+                              {"task", task},
+                              {"title", Json(exercise ? exercise->title : LocalText())},
+                              {"turn", Json::parse(TurnJson(person, now_s))},
                               {"trials", trials}});
   }
   return Text(json);
 }
 
-std::string ExamRoom::OwnJson(std::int64_t person) const {
+std::string ExamRoom::OwnJson(std::int64_t person, std::int64_t now_s) const {
   Json json;
-  std::size_t at = TaskOf(person);
-  bool runs = false;
   json["cut"] = "";
+  std::pair<std::size_t, int> newest;  // the task's place and the trial's number
   for (const Trial& trial : newest_.trials) {
     if (trial.person != person || !trial.counts) continue;
+    const std::pair at(PlaceOf(person, static_cast<std::size_t>(trial.task)), trial.n);
+    if (at < newest) continue;
+    newest = at;
     json["cut"] = CutOf(trial);
-    runs = trial.ended_s == 0;
-    if (runs) at = static_cast<std::size_t>(trial.task);
   }
-  json["task"] = at;
+  const std::size_t at = PresentTaskOf(person);
+  json["task"] = PlaceOf(person, at);
+  json["turn"] = Json::parse(TurnJson(person, now_s));
+  json["turn"]["works"] = Json::array();
   if (at == newest_.exam.tasks.size()) return Text(json);
+  for (const std::int64_t other : newest_.people) {
+    const bool is_there = RunningOf(other) && SceneOf(PresentTaskOf(other)) == SceneOf(at);
+    if (other != person && is_there) json["turn"]["works"].push_back(NameOf(other));
+  }
   const ExamTask& task = newest_.exam.tasks[at];
-  json["trial"] = DoneOf(person, at) + (runs ? 0 : 1);
+  json["trial"] = DoneOf(person, at) + (RunningOf(person) ? 0 : 1);
   json["trials"] = task.trials;
   json["time_s"] = task.time_s;
   json["exercise"] = Json::parse(trials_.DescribeJson(task.exercise));
@@ -644,12 +780,14 @@ std::string ExamRoom::StateJson(std::int64_t person, bool teaches, std::int64_t 
   Json json = {{"open", nullptr}};
   if (newest_.number != 0 && (teaches || Sits(person))) {
     Json& open = json["open"];
-    open = {{"name", newest_.exam.name},
-            {"title", Json(newest_.exam.title)},
-            {"closed", !newest_.is_open()},
-            {"left_s", std::max<std::int64_t>(0, newest_.ends_s + owed_s_ - now_s)},
-            {"tasks", newest_.exam.tasks.size()}};
-    open.update(Json::parse(teaches ? ClassJson() : OwnJson(person)));
+    open = {
+        {"name", newest_.exam.name},
+        {"title", Json(newest_.exam.title)},
+        {"closed", !newest_.is_open()},
+        {"left_s", std::max<std::int64_t>(
+                       0, (teaches ? newest_.ends_s + owed_s_ : EndsFor_s(person, now_s)) - now_s)},
+        {"tasks", newest_.exam.tasks.size()}};
+    open.update(Json::parse(teaches ? ClassJson(now_s) : OwnJson(person, now_s)));
   }
   if (teaches) {
     json["exams"] = Json::array();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "client/course/course_file.h"
 #include "client/course/exam.h"
 #include "client/course/exam_seals.h"
+#include "client/course/exam_turns.h"
 #include "client/course/roster.h"
 #include "client/course/trial.h"
 
@@ -59,6 +61,15 @@ class ExamRoom {
   /// it has another exercise or the exam's time is over.
   std::size_t TaskToBegin(std::int64_t person, const std::string& exercise,
                           std::int64_t now_s) const;
+  /// Returns the seat in which the person may begin the next task; empty: none is free, and the
+  /// person waits in the queue from now on.  Throws Error.
+  std::string SeatToBegin(std::int64_t person, std::int64_t now_s, const ExamTurns::Seats& seats);
+  /// Gives free seats to who waits for them; to be called some times a second.
+  void CallNext(std::int64_t now_s, const ExamTurns::Seats& seats);
+  /// Returns whether a seat is kept for a candidate, who is to begin there.
+  bool IsKept(const std::string& seat) const;
+  /// Returns where the person last worked in that scene; empty: nowhere.
+  std::string LastSeatOf(std::int64_t person, const std::string& scene) const;
   /// Begins a trial of the next task.  Throws Error as TaskToBegin does.
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
   /// Ends all running trials of the exam, so that no trial time passes without a server.
@@ -114,6 +125,19 @@ class ExamRoom {
   std::set<std::int64_t> PeopleOf(const Exam& exam) const;
   /// Returns the index of the person's task, from 0; the number of tasks if all are done.
   std::size_t TaskOf(std::int64_t person) const;
+  /// Returns which of the person's tasks a task is, from 0, in the person's order.
+  std::size_t PlaceOf(std::int64_t person, std::size_t task) const;
+  /// Returns the task that the person does, or else the next one, as TaskOf.
+  std::size_t PresentTaskOf(std::int64_t person) const;
+  /// Returns the exercise of a task; null: there is no such task, or its file has gone.
+  const Exercise* ExerciseOf(std::size_t task) const;
+  std::string SceneOf(std::size_t task) const;
+  std::string NextSceneOf(std::int64_t person) const { return SceneOf(TaskOf(person)); }
+  /// Returns the person's running trial; null: none runs.
+  const Trial* RunningOf(std::int64_t person) const;
+  /// Returns for how long the person has waited for seats, and when their time is over.
+  std::int64_t Waited_s(std::int64_t person, std::int64_t now_s) const;
+  std::int64_t EndsFor_s(std::int64_t person, std::int64_t now_s) const;
   int DoneOf(std::int64_t person, std::size_t task) const;
   std::string NameOf(std::int64_t person) const;
   Roll NewRoll() const;
@@ -121,6 +145,8 @@ class ExamRoom {
   Seal SealOf(const Roll::Entry& entry, const Trial* trial, std::int64_t now_s) const;
   void SealNext(std::int64_t now_s);
   void TakeSeal(const ExamSeals::Done& done);
+  /// Tells the teacher what went wrong, which is tried again.
+  void Stumble(const std::exception& error, std::int64_t now_s);
   /// Returns whether every trial of the exam is sealed, or cannot be.
   bool AllSettled() const;
   /// Returns whether the trial is still to be scored.
@@ -132,22 +158,26 @@ class ExamRoom {
   /// it ended in order.
   static std::string CutOf(const Trial& trial);
   /// The newest exam's state: for a teacher, and for a person who sits it.
-  std::string ClassJson() const;
-  std::string OwnJson(std::int64_t person) const;
+  std::string ClassJson(std::int64_t now_s) const;
+  std::string OwnJson(std::int64_t person, std::int64_t now_s) const;
+  /// Whether the person works, waits for a seat, or may begin: {phase, scene, seat, ahead, left_s,
+  /// waits_s, waited_s}.
+  std::string TurnJson(std::int64_t person, std::int64_t now_s) const;
 
   const std::string folder_;
   CourseFile& file_;
   Roster& roster_;
   TrialRoom& trials_;
   ExamSeals seals_;
+  ExamTurns turns_;
   Newest newest_;
   std::vector<std::pair<Exam, std::string>> exams_;  // with the error where a file cannot be read
   std::set<ExamSeals::Key> tried_;                   // trials whose scoring was tried
   std::string trouble_;                              // shown to the teacher
   std::int64_t retry_s_ = 0;
-  std::int64_t set_by_s_ = 0;  // by how much the computer's clock was set; shown to the teacher
-  std::int64_t owed_s_ = 0;    // of these, by which the exam's end is not moved yet
-  bool time_was_over_ = false;
+  std::int64_t set_by_s_ = 0;    // by how much the computer's clock was set; shown to the teacher
+  std::int64_t owed_s_ = 0;      // of these, by which the exam's end is not moved yet
+  std::set<std::int64_t> over_;  // those whose time is over
   bool changed_ = false;
 };
 

@@ -29,7 +29,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Seal, format, software, recording, sha256, by
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ExamTask, exercise, time_s, trials, exercise_sha256,
                                                 criteria_sha256, expert_sha256)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll::Entry, person, name, task, exercise, n, station, scene,
-                                   scene_hash, begun_s, recording, sha256, seal, lost, counts)
+                                   scene_hash, begun_s, waited_s, recording, sha256, seal, lost,
+                                   counts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Roll, format, software, exam, exam_number, exam_sha256, tasks,
                                    opened_s, ends_s, closed_s, complete, last, trials)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Mark, format, software, exam_number, person, exercise, n, bytes,

@@ -67,7 +67,7 @@ struct Seal {
 /// opening on, and is sealed anew with each trial that begins or is sealed: after a kill it tells
 /// what may still be sealed.
 struct Roll {
-  static constexpr const char* kFormat = "palpate-roll-2";
+  static constexpr const char* kFormat = "palpate-roll-3";
   struct Entry {
     std::int64_t person = 0;
     std::string name;
@@ -76,6 +76,7 @@ struct Roll {
     int n = 0;
     std::string station, scene, scene_hash;
     std::int64_t begun_s = 0;
+    std::int64_t waited_s = 0;      ///< for a seat, since the last trial: the person has it more
     std::string recording, sha256;  ///< as in Seal; empty while it runs
     std::string seal;               ///< SHA-256 of its seal's text; empty: it is not sealed
     std::string lost;               ///< why it never will be; empty: it is or will be

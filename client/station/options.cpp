@@ -95,6 +95,10 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   app.AddFlag("--await-recorder", options.link.awaits_recorder,
               "wait up to 3 s for a palpate-record before sending the first pose, so that the "
               "recording is complete and can be verified");
+  app.AddFlag(
+      "--keep-scene", options.link.keeps_scene,
+      "nobody can restore a cut scene, or set its bookmark, while this station has its tool: "
+      "for trials");
   app.Add("--max-force", options.max_force_N,
           "limit of the force, in N, below the device's own; the limit of the torque is reduced "
           "in proportion; default: the device's limits")

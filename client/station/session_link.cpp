@@ -76,6 +76,7 @@ void SessionLink::WriteRequest(bool leave) {
   std::ranges::copy(leave_key_, request.leave_key);
   std::ranges::copy(dds::SealOf(request.leave_key), request.leave_seal);
   if (!leave) std::ranges::fill(request.leave_key, 0);
+  request.keeps_scene = options_.keeps_scene;
   requests_.Write(request);
 }
 

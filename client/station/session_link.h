@@ -29,6 +29,7 @@ struct LinkOptions {
   double patience_s = 10.0;  ///< longest wait for a server's first answer
   /// Also waits up to 3 s for a recorder to read the poses before it sends any.
   bool awaits_recorder = false;
+  bool keeps_scene = false;  ///< nobody may restore the scene while it has its session
 };
 
 /// The station's session with a server.  Requests it, makes the loop's endpoints in the order that

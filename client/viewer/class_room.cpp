@@ -232,13 +232,17 @@ std::string ClassRoom::SeatOf(std::int64_t person) const {
   return announced == announced_.end() ? "" : announced->second.seat;
 }
 
+std::int64_t ClassRoom::OwnerOf(const std::string& seat) const {
+  const auto owner = std::ranges::find_if(
+      announced_, [&](const auto& entry) { return entry.second.seat == seat; });
+  return seat.empty() || owner == announced_.end() ? 0 : owner->first;
+}
+
 std::string ClassRoom::WhyNotAt(std::int64_t person, const std::string& scene) const {
   const std::string own = SeatOf(person);
   if (own == scene) return "";
   if (!own.empty()) return "your seat is '" + own + "'; take the tool there";
-  const bool is_others = std::ranges::any_of(
-      announced_, [&](const auto& entry) { return entry.second.seat == scene; });
-  return is_others
+  return OwnerOf(scene) != 0
              ? "'" + scene + "' is the seat of another person, and you have none; ask your teacher"
              : "";
 }

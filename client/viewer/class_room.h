@@ -77,6 +77,8 @@ class ClassRoom {
   void Enter(std::int64_t person, const Scenes& scenes);
   /// Returns the person's seat; empty: they may drive anywhere.
   std::string SeatOf(std::int64_t person) const;
+  /// Returns the person whose seat it is; 0: nobody's.
+  std::int64_t OwnerOf(const std::string& seat) const;
   /// Returns why a person may do nothing in a scene; empty: they may.
   /// @param person  not a teacher.
   std::string WhyNotAt(std::int64_t person, const std::string& scene) const;

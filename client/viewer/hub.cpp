@@ -26,6 +26,7 @@ constexpr const char* kStopped = "stopped";
 /// So many wishes to restore scenes are answered within a moment, at most.
 constexpr std::size_t kOwnWishes = 256;
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
+constexpr std::int64_t kCall_ns = 100'000'000;  // between looks for free seats of an exam
 
 std::string RandomId() {
   std::random_device random;
@@ -60,6 +61,15 @@ FramePtr OwnFrame(TopicFeed::Channel channel, std::uint64_t instance, const std:
   frame->payload.assign(json.begin(), json.end());
   frame->state = true;
   return frame;
+}
+
+/// Returns whether a trial of the exercise begins with the scene restored.
+bool Resets(const Exercise& exercise) {
+  return AsksForCuts(exercise.criteria) && exercise.start != Exercise::Start::kAsItIs;
+}
+
+std::string KeptFor(const std::string& seat) {
+  return "'" + seat + "' is kept for a candidate of the exam, who is about to begin there";
 }
 
 template <class Map>
@@ -107,6 +117,9 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
   history_ = std::make_unique<HistoryDesk>(io, options.course, trials_->exercises());
   exams_ = std::make_unique<ExamRoom>(options_.course, class_room_->file(), class_room_->roster(),
                                       *trials_, exam_clock_.Now_s(SteadyNanoseconds()));
+  exam_seats_ = {
+      [this](std::int64_t person, const std::string& scene) { return FreeSeats(person, scene); },
+      [here = CountPages()](std::int64_t person) { return here(person) > 0; }};
   trials_->ScoreLeftovers();
 }
 
@@ -175,6 +188,10 @@ void Hub::Tick(std::int64_t now_ns) {
   if (exams_) {
     const std::int64_t set_by_s = exam_clock_.Follow(WallClock_ns(), now_ns);
     if (set_by_s != 0) exams_->ClockWasSet(set_by_s);
+    if (now_ns - called_ns_ >= kCall_ns) {
+      called_ns_ = now_ns;
+      exams_->CallNext(exam_clock_.Now_s(now_ns), exam_seats_);
+    }
     if (exams_->Poll(exam_clock_.Now_s(now_ns), now_ns)) TellExam(now_ns);
   }
   refusals_.Poll(now_ns);
@@ -337,34 +354,67 @@ std::string Hub::Try(const TrialCommand& command, Viewer& viewer, std::int64_t n
   return "";
 }
 
+std::string Hub::SeatForPractice(const Exercise& exercise, const Viewer& viewer) const {
+  // The person's seat, if it belongs to that scene.
+  const std::string seat = class_room_->SeatOf(viewer.holder()->person);
+  const bool has_seat = seat.starts_with(exercise.scene_name + "-");
+  const std::string scene = has_seat ? seat : exercise.scene_name;
+  if (!seat.empty() && !has_seat) {
+    throw Error("your seat is '" + seat + "', which belongs to another scene");
+  }
+  if (const std::string absent = WhyAbsent(scene); !absent.empty()) throw Error(absent);
+  if (exams_->IsKept(scene)) throw Error(KeptFor(scene));
+  const bool is_reset = Resets(exercise);
+  // A trial's tool is given back before its recorder has ended.
+  if (mice_.IsTaken(scene, is_reset ? "" : exercise.tool, viewer.id()) ||
+      (is_reset && trials_->is_in(scene))) {
+    throw Error("somebody is working in scene '" + scene +
+                "'; wait, or ask your teacher for a seat of your own");
+  }
+  return scene;
+}
+
+std::vector<std::string> Hub::FreeSeats(std::int64_t person, const std::string& scene) const {
+  if (!WhyAbsent(scene).empty()) return {};
+  std::vector<std::string> seats = SeatsOf(scene, Scenes());
+  if (seats.empty()) seats.push_back(scene);
+  std::erase_if(seats, [&](const std::string& seat) {
+    const std::int64_t owner = class_room_->OwnerOf(seat);
+    return mice_.IsTaken(seat, "", 0) || trials_->is_in(seat) || feed_.HasStationIn(seat) ||
+           (owner != 0 && !exams_->Sits(owner));
+  });
+  for (const std::string& preferred :
+       {class_room_->SeatOf(person), exams_->LastSeatOf(person, scene)}) {
+    const auto found = std::ranges::find(seats, preferred);
+    if (found != seats.end()) std::rotate(seats.begin(), found, found + 1);
+  }
+  return seats;
+}
+
 void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_ns) {
   if (const std::string why = RefuseWish(Wish::kTake, viewer, now_ns); !why.empty()) {
     throw Error(why);
   }
   const Exercise* const exercise = trials_->Find(name);
   if (exercise == nullptr) throw Error("there is no exercise '" + name + "'");
-  // The person's seat, if it belongs to that scene.
-  const std::string seat = class_room_->SeatOf(viewer.holder()->person);
-  const bool has_seat = seat.starts_with(exercise->scene_name + "-");
-  const MouseCommand take{
-      MouseCommand::Op::kTake, has_seat ? seat : exercise->scene_name, exercise->tool, {}};
-  if (!seat.empty() && !has_seat)
-    throw Error("your seat is '" + seat + "', which belongs to another scene");
-  if (const std::string absent = WhyAbsent(take.scene); !absent.empty()) throw Error(absent);
   // Checked before anything changes: a second page must not restore the scene during a trial.
   const std::int64_t person = viewer.holder()->person;
   trials_->CheckMayBegin(person);
-  if (exams_->Sits(person)) exams_->TaskToBegin(person, name, exam_clock_.Now_s(now_ns));
-  const bool is_reset =
-      AsksForCuts(exercise->criteria) && exercise->start != Exercise::Start::kAsItIs;
-  // A trial's tool is given back before its recorder has ended.
-  if (mice_.IsTaken(take.scene, is_reset ? "" : take.tool, viewer.id()) ||
-      (is_reset && trials_->is_in(take.scene))) {
-    throw Error("somebody is working in scene '" + take.scene +
-                "'; wait, or ask your teacher for a seat of your own");
+  std::string seat;
+  if (exams_->Sits(person)) {
+    if (const std::string absent = WhyAbsent(exercise->scene_name); !absent.empty()) {
+      throw Error(absent);
+    }
+    const std::int64_t now_s = exam_clock_.Now_s(now_ns);
+    exams_->TaskToBegin(person, name, now_s);
+    seat = exams_->SeatToBegin(person, now_s, exam_seats_);
+    if (seat.empty()) return;  // the exam's state tells for what the person waits
+  } else {
+    seat = SeatForPractice(*exercise, viewer);
   }
+  const MouseCommand take{MouseCommand::Op::kTake, seat, exercise->tool, {}};
   mice_.Release(viewer.id(), "a trial begins", now_ns);
-  if (is_reset) {
+  if (Resets(*exercise)) {
     AskForWhole(
         take.scene,
         exercise->start == Exercise::Start::kWhole ? palpate_WHOLE_AGAIN : palpate_WHOLE_BACK,
@@ -519,11 +569,18 @@ bool Hub::AskForWhole(const std::string& scene, wire::WholeWish wish, const std:
 }
 
 void Hub::HearOfWhole(const wire::SceneWhole& whole) {
-  const bool changes = whole.refusal[0] == '\0' && whole.wish != palpate_WHOLE_BOOKMARK;
   // Without a request: a station's session began in a scene that is then made whole.
-  if (!trials_ || !changes || whole.request == 0) return;
-  if (std::ranges::find(own_wishes_, whole.request) != own_wishes_.end()) return;
-  trials_->EndIn(whole.scene, std::string(whole.by) + " restored the scene, past this gateway");
+  if (!trials_ || whole.request == 0 || whole.wish == palpate_WHOLE_BOOKMARK) return;
+  const bool is_own = std::ranges::find(own_wishes_, whole.request) != own_wishes_.end();
+  const bool is_refused = whole.refusal[0] != '\0';
+  // A trial that begins in the state that another one left would be worth nothing.
+  if (is_own && is_refused) {
+    trials_->EndIn(whole.scene, std::string("the scene is not restored: ") + whole.refusal);
+  }
+  // The server refuses it once the trial's station has its tool, so it was just before.
+  if (!is_own && !is_refused) {
+    trials_->EndIn(whole.scene, std::string(whole.by) + " restored the scene, past this gateway");
+  }
 }
 
 FramePtr Hub::AskReplay(ReplayWish wish, Viewer& viewer, std::int64_t now_ns) {
@@ -578,6 +635,7 @@ std::string Hub::WhyAbsent(const std::string& scene) const {
 
 std::string Hub::WhyNotAt(const Viewer& viewer, const std::string& scene) const {
   if (IsInExam(viewer)) return kInExam;
+  if (exams_ && exams_->IsKept(scene)) return KeptFor(scene);
   if (!class_room_ || viewer.teaches()) return "";
   return class_room_->WhyNotAt(viewer.holder() ? viewer.holder()->person : 0, scene);
 }

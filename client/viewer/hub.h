@@ -132,11 +132,18 @@ class Hub {
     std::uint64_t bytes = 0;
     std::uint64_t lost = 0;  // of viewers that have left
   };
-  /// Ends the trials of a scene that somebody has restored past this gateway.
+  /// Ends the trials of a scene that somebody has restored past this gateway, or that could not be
+  /// restored for them.
   void HearOfWhole(const wire::SceneWhole& whole);
   void Tell(const MouseRoom::News& news);
   void Tell(const TrialRoom::News& news);
   void BeginTrial(const std::string& exercise, Viewer& viewer, std::int64_t now_ns);
+  /// Returns the seat of a trial that is no exam's.  Throws Error, worded for the person, if they
+  /// cannot begin there.
+  std::string SeatForPractice(const Exercise& exercise, const Viewer& viewer) const;
+  /// Returns the seats of a scene in which a candidate of the exam may begin now, or the scene
+  /// itself if it has no seats; first the one in which they worked last, then their own.
+  std::vector<std::string> FreeSeats(std::int64_t person, const std::string& scene) const;
   /// Makes these tokens, with the course's, the valid ones.  Returns how many connections end.
   std::size_t Renew(std::optional<Tokens> tokens, std::int64_t now_ns);
   ClassRoom::Here CountPages() const;
@@ -158,6 +165,8 @@ class Hub {
   std::unique_ptr<HistoryDesk> history_;
   ExamClock exam_clock_;
   std::unique_ptr<ExamRoom> exams_;
+  ExamTurns::Seats exam_seats_;
+  std::int64_t called_ns_ = 0;  // when seats of an exam were given last
   bool class_changed_ = false;
   std::map<std::int64_t, TrialRoom::News> newest_trials_;  // by person
   Gate gate_;

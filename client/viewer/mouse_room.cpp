@@ -102,7 +102,9 @@ void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
       // The gateway hears the server already; twenty stations that
       // begin at once on two cores look for it for longer than 10 s.
       "--wait=30", "--no-table"};
-  if (mouse.recorded) arguments.emplace_back("--await-recorder");
+  if (mouse.recorded) {
+    arguments.insert(arguments.end(), {"--await-recorder", "--keep-scene"});
+  }
   if (options_.network.secured()) arguments.push_back("--identity=" + options_.network.identity);
   for (const std::string& peer : options_.network.peers) arguments.push_back("--peer=" + peer);
   if (!mouse.tool.empty()) arguments.push_back("--tool=" + mouse.tool);

@@ -171,7 +171,7 @@ bool TopicFeed::IsCurrent(std::uint64_t server_run, std::uint64_t origin) {
   kept_.clear();
   undone_.clear();
   scenes_.clear();
-  phases_.clear();
+  sessions_.clear();
   return true;
 }
 
@@ -282,7 +282,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
       [&](const FramePtr& frame, const wire::SessionState& sample) {
         if (!IsCurrent(sample.server_run, frame->origin)) return;
         Keep(frame, sample.station, 0);
-        phases_[sample.station] = sample.phase;
+        sessions_[sample.station] = {sample.phase, sample.scene};
         on_frame(frame);
         on_session(sample);
       },
@@ -290,7 +290,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
         // It was refused or ended some time ago; present viewers may keep showing it.
         if (origin != origin_) return;
         kept_.erase({kSessionState, sample.station, 0});
-        phases_.erase(sample.station);
+        sessions_.erase(sample.station);
       });
   // Before the data that it replays: a viewer must know first that it is a replay.
   PollReplays(on_frame);
@@ -359,18 +359,20 @@ const wire::SceneProgress* TopicFeed::compiling() const {
 }
 
 bool TopicFeed::HasStation(const std::string& name) const {
-  const auto found = phases_.find(name);
-  return found != phases_.end() && found->second != palpate_SESSION_ENDED &&
-         found->second != palpate_SESSION_REFUSED;
+  const auto found = sessions_.find(name);
+  return found != sessions_.end() && found->second.lives();
+}
+
+bool TopicFeed::HasStationIn(const std::string& scene) const {
+  return std::ranges::any_of(sessions_, [&](const auto& entry) {
+    return entry.second.lives() && entry.second.scene == scene;
+  });
 }
 
 std::vector<std::string> TopicFeed::stations() const {
   std::vector<std::string> names;
-  for (const auto& [station, phase] : phases_) {
-    if (phase != palpate_SESSION_ENDED && phase != palpate_SESSION_REFUSED &&
-        phase != palpate_SESSION_HELD) {
-      names.push_back(station);
-    }
+  for (const auto& [station, session] : sessions_) {
+    if (session.lives() && session.phase != palpate_SESSION_HELD) names.push_back(station);
   }
   return names;
 }

@@ -97,6 +97,8 @@ class TopicFeed {
   std::vector<std::string> stations() const;
   /// Returns whether there is a station of that name, even if it still waits to be admitted.
   bool HasStation(const std::string& name) const;
+  /// Returns whether a station has, or waits for, a tool of that scene.
+  bool HasStationIn(const std::string& scene) const;
   /// False if there is no server, or the last one has gone.
   bool server_lives() const { return lives_; }
   /// Returns the progress of a server that still compiles its scenes; null: none does.
@@ -154,7 +156,14 @@ class TopicFeed {
   std::map<KeptKey, KeptFrame> kept_;
   std::map<std::string, std::uint64_t> undone_;  // by scene: the last change that was undone
   std::map<std::string, SceneBytes> scenes_;
-  std::map<std::string, wire::SessionPhase> phases_;  // by station
+  struct Session {
+    wire::SessionPhase phase = palpate_SESSION_ENDED;
+    std::string scene;
+    bool lives() const {
+      return phase != palpate_SESSION_ENDED && phase != palpate_SESSION_REFUSED;
+    }
+  };
+  std::map<std::string, Session> sessions_;  // by station
   wire::SceneProgress compiling_{};
   // By number.  Not in kept_: a replay that seeks speaks as a new server.
   std::map<std::uint64_t, Replay> replays_;

@@ -41,6 +41,7 @@ struct ServedTool {
 struct SessionClient {
   dds::LeaveKey leave_seal{};  ///< who may end the session
   bool below_arms = false;     ///< a mouse, whose hand feels nothing: arms have priority
+  bool keeps_scene = false;    ///< nobody may restore the scene while it lasts
 };
 
 /// One station that drives one tool.  Phases: waiting for poses -> acquiring (only if the tool
@@ -99,6 +100,7 @@ class Session {
   const ServedTool& tool() const { return *tool_; }
   const dds::LeaveKey& leave_seal() const { return client_.leave_seal; }
   bool below_arms() const { return client_.below_arms; }
+  bool keeps_scene() const { return client_.keeps_scene; }
   wire::SessionPhase phase() const { return phase_; }
   bool ended() const { return phase_ == palpate_SESSION_ENDED; }
   /// Returns whether any pose had come at the last Update.

@@ -270,6 +270,12 @@ void SessionTable::Request(const wire::WholeRequest& request) {
     answer.server_run = server_run_;
     wire::FromText("nothing goes there: no tool of the scene cuts an object", answer.refusal);
     wholes_.push_back(answer);
+  } else if (const std::string keeper = KeeperOf(request.scene); !keeper.empty()) {
+    wire::FromText("station '" + keeper +
+                       "' is in a trial there, which would count no more; wait until it ends, or "
+                       "take its tool back",
+                   answer.refusal);
+    Answer(scene->second, answer);
   } else if (request.wish == palpate_WHOLE_AGAIN) {
     MakeWhole(scene->second, answer);
   } else {
@@ -290,6 +296,13 @@ void SessionTable::Bookmark(SceneChanges& scene, wire::SceneWhole answer) {
     scene.GoBack(now_ns_);
   }
   Answer(scene, answer);
+}
+
+std::string SessionTable::KeeperOf(const std::string& scene) const {
+  const auto keeper = std::ranges::find_if(sessions_, [&](const auto& entry) {
+    return entry.second->tool().scene == scene && entry.second->keeps_scene();
+  });
+  return keeper == sessions_.end() ? "" : keeper->first;
 }
 
 std::vector<Session*> SessionTable::SessionsOf(const std::string& scene) {
@@ -408,7 +421,8 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
                       " stations, the maximum; end one of them",
                   now_ns);
   }
-  const SessionClient client{ToSeal(request), std::string(request.device) == kMouse};
+  const SessionClient client{ToSeal(request), std::string(request.device) == kMouse,
+                             request.keeps_scene};
   const auto session =
       std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns, client);
   if (const auto scene = scenes_.find(session->tool().scene); scene != scenes_.end()) {

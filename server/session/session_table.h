@@ -51,9 +51,10 @@ class SessionTable {
   /// whatever sessions come and go.  Returns false if the request is for another server, names a
   /// station that is not here, or was handled before.
   bool Operate(const wire::OperateRequest& request, std::int64_t now_ns);
-  /// Makes a scene whole for all its tools, or restores its bookmark, and answers.  A request for a
-  /// scene that is not served here gets no answer, because it may be meant for another server; nor
-  /// does one that was handled before.
+  /// Makes a scene whole for all its tools, or restores its bookmark, and answers; refuses it while
+  /// a station keeps the scene as it is (SessionRequest.keeps_scene).  A request for a scene that
+  /// is not served here gets no answer, because it may be meant for another server; nor does one
+  /// that was handled before.
   void Request(const wire::WholeRequest& request);
   /// Updates all sessions; removes ended ones from the table.
   void Update(std::int64_t now_ns);
@@ -117,6 +118,8 @@ class SessionTable {
   void MakeWhole(SceneChanges& scene, wire::SceneWhole answer);
   void Bookmark(SceneChanges& scene, wire::SceneWhole answer);
   void Answer(SceneChanges& scene, wire::SceneWhole& answer);
+  /// Returns the station that lets nobody restore the scene; empty: anybody may.
+  std::string KeeperOf(const std::string& scene) const;
   /// Returns the sessions of a scene, including those to which poses may still come.
   std::vector<Session*> SessionsOf(const std::string& scene);
   /// Null if nothing can be cut.

@@ -243,6 +243,53 @@ TEST_F(ExamTest, TakesAndGivesNoTimeWhereTheComputersClockIsSet) {
   EXPECT_EQ(Own()["left_s"], 600);
 }
 
+TEST_F(ExamTest, TakesNoTimeFromWhoWaitsForASeatAndGivesItToTheFirst) {
+  const std::int64_t ben = roster_->Make({"Ben"}, Access::kDrive).front().person.id;
+  std::vector<std::string> free;
+  const ExamTurns::Seats seats{[&](std::int64_t, const std::string&) { return free; },
+                               [](std::int64_t) { return true; }};
+  const auto turn_of = [&](std::int64_t person) {
+    return Json::parse(exams_->StateJson(person, false, now_s_))["open"]["turn"];
+  };
+  std::ofstream(folder_ / "course/midterm.exam.json")
+      << R"({"title": "A", "time_s": 600, "order": "rotated",
+             "tasks": [{"exercise": "light-force"}, {"exercise": "supragingival-calculus"}]})";
+  ASSERT_EQ(Open(), "");
+  EXPECT_EQ(turn_of(anna_)["scene"], "periodontal");
+  EXPECT_EQ(turn_of(ben)["scene"], "calculus") << "who begins elsewhere";
+  EXPECT_EQ(turn_of(anna_)["phase"], "ready");
+  EXPECT_EQ(exams_->SeatToBegin(anna_, now_s_, seats), "");
+  now_s_ += 100;
+  EXPECT_EQ(turn_of(anna_)["phase"], "waits");
+  EXPECT_EQ(turn_of(anna_)["waits_s"], 100);
+  EXPECT_EQ(Own()["left_s"], 600);
+  exams_->Poll(now_s_, 0);
+  Start();
+  EXPECT_EQ(turn_of(anna_)["phase"], "waits") << "after a kill, too";
+  EXPECT_EQ(turn_of(anna_)["waits_s"], 100);
+  free = {"periodontal-2"};
+  exams_->CallNext(now_s_, seats);
+  EXPECT_EQ(turn_of(anna_)["phase"], "called");
+  EXPECT_EQ(turn_of(anna_)["seat"], "periodontal-2");
+  EXPECT_TRUE(exams_->IsKept("periodontal-2"));
+  now_s_ += 20;
+  EXPECT_EQ(Own()["left_s"], 580) << "it goes on again";
+  Try("light-force");
+  EXPECT_EQ(Own()["left_s"], 580);
+  EXPECT_FALSE(exams_->IsKept("periodontal-2"));
+  EXPECT_EQ(turn_of(anna_)["scene"], "calculus");
+  EXPECT_EQ(turn_of(anna_)["waited_s"], 100);
+  const Roll roll =
+      OpenRoll(ReadWholeFile(folder_ / "course/exams/midterm-1.roll.json", kLargestSeal),
+               SealKey::ReadPublic(folder_ / "course/exam-key.pub.pem"), "it");
+  EXPECT_EQ(roll.trials.at(0).waited_s, 100);
+  now_s_ += 480;  // the time of those who have not waited
+  exams_->Poll(now_s_, 0);
+  EXPECT_THAT(ComplaintOf([&] { exams_->TaskToBegin(ben, "supragingival-calculus", now_s_); }),
+              HasSubstr("time is over"));
+  EXPECT_EQ(Begin("supragingival-calculus"), kGood);
+}
+
 TEST(ExamClock, FollowsTheSteadyClockAndTellsWhenTheOtherOneIsSet) {
   constexpr std::int64_t kS = 1'000'000'000;
   ExamClock clock(1000 * kS, 5 * kS);

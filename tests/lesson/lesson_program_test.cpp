@@ -81,6 +81,17 @@ TEST(LessonProgram, MakesWholeWhatAHandScrapesOffAndTheRecordingOfItIsVerified) 
   }
   station.Signal(SIGINT);
   EXPECT_EQ(station.Exit(), 0);
+  Program trial =
+      Here("palpate-station", {"--device", "simulated", "--scene", "calculus", "--id", "trial",
+                               "--keep-scene", "--transport", "udp", "--realtime", "off"});
+  ASSERT_TRUE(trial.Says("active")) << trial.Output();
+  for (const char* const wish : {"whole", "bookmark", "back"}) {
+    Program refused = Here("palpate-lesson", {wish, "calculus"});
+    EXPECT_EQ(refused.Exit(), 1);
+    EXPECT_THAT(refused.Output(), HasSubstr("station 'trial' is in a trial there"));
+  }
+  trial.Signal(SIGINT);
+  EXPECT_EQ(trial.Exit(), 0);
   recorder.Signal(SIGINT);
   EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
   server.Signal(SIGINT);

@@ -14,7 +14,7 @@ import {
   text,
 } from "./support/at_gateway";
 import {eventually, probe, until} from "./support/browser";
-import {heldExam, kExercise, ownExam, trialState} from "./support/exam_state";
+import {heldExam, kExercise, ownExam, ownTurn, trialState} from "./support/exam_state";
 import {pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
@@ -332,6 +332,11 @@ test("an examiner opens an exam, gives time and another trial, and closes it", a
   await press("Once more");
   await press("Really: Once more?");
   expect(await text("#exam-dialog tbody li:last-child")).toMatch(/cut short: the gateway was/);
+  const ben = page.locator("#exam-dialog tbody tr").nth(1);
+  expect(await ben.innerText()).toMatch(/task 2: Caries\s+waits for a seat in .*, 2 before/);
+  await eventually("the time of waiting goes on", async () =>
+    /waited 1:3[1-9] in all/.test(await ben.innerText()),
+  );
   await press("Close the exam");
   await press("Really: Close the exam?");
   await eventually("six wishes", () => gateway.published.length === 6);
@@ -376,11 +381,28 @@ test("who sits an exam sees its next task and the time, no exercises, and hands 
   await reads("#exam-bar .times span:first-child", "Task 1 of 3, trial 1 of 2");
   expect(await page.getByRole("button", {name: "Exercises"}).isVisible()).toBe(false);
   expect(await page.locator("#scene").isVisible()).toBe(false);
+  const begin = page.getByRole("button", {name: "Begin this task"});
   await press("Begin this task");
   await eventually("a wish", () => gateway.published.length === 1);
+  gateway.send("/palpate/exam_state", ownExam(ownTurn("waits", {ahead: 1})));
+  await reads(
+    "#exam-bar .word",
+    /with 1 other before you. There work: Ben, Cleo. Your time stands/,
+  );
+  expect(await begin.isVisible()).toBe(false);
+  expect(await text("#exam-bar .times .clock:nth-child(2)")).toBe("Exam: 10:00 left");
+  const {name: scene} = kTestScene;
+  gateway.send("/palpate/exam_state", ownExam(ownTurn("called", {seat: scene, left_s: 60})));
+  await reads("#exam-bar .word", /is free. Begin within 0:5\d/);
+  await press("Begin this task");
+  await eventually("another", () => gateway.published.length === 2);
+  gateway.published.shift();
+  const told = {station: "anna", scene, tool: "ball", reason: ""};
+  gateway.send("/palpate/mouse_state", {...told, phase: ""});
+  await until(page, "the tool to come", ({hold}) => hold === "asking");
   gateway.send("/palpate/trial_state", trialState("running"));
   await reads("#force-bar-mass", "25 g"); // the task's limit
-  gateway.send("/palpate/mouse_state", {station: "anna", phase: "active", reason: ""});
+  gateway.send("/palpate/mouse_state", {...told, phase: "active"});
   await until(page, "the tool", ({hold}) => hold === "holding");
   for (const reflex of ["Escape", "m"]) await page.keyboard.press(reflex);
   await reads("#hint-action", "Really: Hand in?");

@@ -5,7 +5,7 @@
 #include <map>
 #include <thread>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "scenes/grid/surface_code.h"
 #include "server/session/session_table.h"
@@ -268,6 +268,32 @@ TEST_F(SolidChangesTest, MadeWholeIsAsAtFirst) {
   told_ = 0;
   Move({-2e-3, 0, 2e-3}, 100);
   EXPECT_EQ(told_, 0u);
+}
+
+TEST_F(SolidChangesTest, AreRestoredByNobodyWhileAStationKeepsTheScene) {
+  wire::WholeRequest wish{};
+  wire::FromText("block", wish.scene);
+  const auto refusal = [&](wire::WholeWish what) {
+    wish.wish = what;
+    ++wish.request;
+    table_.Request(wish);
+    return std::string(table_.TakeWholes().back().refusal);
+  };
+  EXPECT_EQ(refusal(palpate_WHOLE_BOOKMARK), "");
+  wire::SessionRequest trial = RequestOf("a");
+  trial.keeps_scene = true;
+  table_.Request(trial, now_);
+  table_.RetireEnded(now_);
+  table_.Begin(*table_.sessions().at("a"));
+  station_ = "a";
+  Stroke();
+  for (const auto what : {palpate_WHOLE_AGAIN, palpate_WHOLE_BOOKMARK, palpate_WHOLE_BACK}) {
+    EXPECT_THAT(refusal(what), testing::HasSubstr("station 'a' is in a trial there"));
+  }
+  Move(at_, 100);
+  EXPECT_FALSE(IsWhole(loop().cuts()[0].field())) << "and what it cut stays cut";
+  Leave();
+  EXPECT_EQ(refusal(palpate_WHOLE_BACK), "");
 }
 
 // With the loop in a thread of its own, as poses come in a server: in the end viewers have

@@ -7,11 +7,21 @@ export const kExercise = {
   ...{most_N: 0.245, most_s: 90, trials: 5, pass: 70, guide: [], sources: [], done: [], graded: []},
 };
 
+const turn = (phase: string, more: object = {}): object => ({
+  ...{phase, scene: kTestScene.name, seat: "", ahead: 0, left_s: 0, waits_s: 0, waited_s: 0},
+  ...more,
+});
+/// Whether a candidate waits for a seat, as their own page receives it.
+export const ownTurn = (phase: string, more: object = {}): object => ({
+  turn: {...turn(phase, more), works: ["Ben", "Cleo"]},
+});
+
 /// The state of an exam as a candidate's page receives it.
 export const ownExam = (more: object = {}): object => ({
   open: {
     ...{name: "midterm", title: kTitle, closed: false, left_s: 600, tasks: 3},
     ...{task: 0, trial: 1, trials: 2, time_s: 90, exercise: kExercise, cut: ""},
+    ...ownTurn("ready"),
     ...more,
   },
 });
@@ -45,7 +55,22 @@ export const heldExam = (more: object = {}): object => {
         down_s: 41,
         set_by_s: -3600,
       },
-      people: [{person: 2, name: "Anna", task: 2, trials: [trial, cut]}],
+      people: [
+        {
+          ...{
+            person: 2,
+            name: "Anna",
+            task: 2,
+            title: {},
+            turn: turn("done"),
+            trials: [trial, cut],
+          },
+        },
+        {
+          ...{person: 3, name: "Ben", task: 1, title: {en: "Caries"}, trials: []},
+          turn: turn("waits", {ahead: 2, waits_s: 30, waited_s: 90}),
+        },
+      ],
       ...more,
     },
     exams: [

@@ -109,19 +109,20 @@ export class App {
       const scene = seat.startsWith(`${exercise.scene}-`) ? seat : exercise.scene;
       return this.scenes.model(scene) || this.world.scenes.has(scene) ? scene : "";
     },
-    begin: (scene: string, tool: string, ask: () => boolean) => {
+  };
+  private readonly exercises: Exercises = new Exercises({
+    publish: (message) => this.link.publish(kTopics.trial, message),
+    begin: (scene, tool, ask) => {
       this.choice.show(scene, "");
       this.choice.stay();
       this.hold.mouse.take(scene, tool, ask);
     },
-  };
-  private readonly exercises: Exercises = new Exercises({
-    publish: (message) => this.link.publish(kTopics.trial, message),
     students: () => this.classRoom.students,
     ...this.trials,
   });
   private readonly exam: Exam = new Exam({
     publish: (topic, message) => this.link.publish(topic, message),
+    begin: (ask) => this.hold.mouse.expect(ask),
     changed: () => this.showRights(),
     ...this.trials,
   });
@@ -168,7 +169,8 @@ export class App {
       const {mouse, isBusy} = this.hold;
       mouse.receive(toMouseState(value));
       if (isBusy || mouse.hold === "none") return;
-      this.choice.show(mouse.scene, ""); // it had the tool before this page came
+      // It had the tool before this page came, or the gateway chose where.
+      this.choice.show(mouse.scene, "");
       this.choice.stay();
     } else if (topic === kTopics.replayAnswer) {
       this.replay.answered(toReplayAnswer(value));

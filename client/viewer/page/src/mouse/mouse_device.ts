@@ -56,6 +56,7 @@ export class MouseDevice {
   private turning = false;
   /// A page that has just come, or come back, may have a tool already: that of its trial.
   private isNew = true;
+  private expects = false; // the gateway chooses scene and tool
 
   constructor(private readonly host: MouseHost) {}
 
@@ -65,7 +66,7 @@ export class MouseDevice {
     tool: string,
     ask = (): boolean => this.host.publish({op: "take", scene, tool}),
   ): void {
-    this.isNew = false;
+    this.isNew = this.expects = false;
     this.scene = scene;
     this.tool = tool;
     this.station = "";
@@ -77,6 +78,13 @@ export class MouseDevice {
     this.message = "";
     this.waitFor(() => say("tool.no_gateway_answer"), kAnswerWithinMs);
     this.host.changed();
+  }
+
+  /// Asks for a tool that the gateway chooses, as it does for a task of an exam.
+  expect(ask: () => boolean): void {
+    if (this.hold !== "none") return;
+    this.expects = true;
+    if (!ask()) this.end(() => say("tool.not_from_here"));
   }
 
   /// Returns a message about the tool that it holds, requests or, once, has lost.
@@ -95,13 +103,15 @@ export class MouseDevice {
   linkLost(): void {
     if (this.hold !== "none") this.end(() => say("tool.link_lost"));
     this.isNew = true;
+    this.expects = false;
   }
 
   /// Takes the gateway's answer, or a later change of the session.
   receive(state: MouseState): void {
     if (this.hold === "none") {
-      if (!this.isNew || state.phase !== "active") return;
-      this.isNew = false;
+      const isIts = this.expects ? state.phase !== "ended" : this.isNew && state.phase === "active";
+      if (!isIts) return;
+      this.isNew = this.expects = false;
       [this.scene, this.tool, this.hold] = [state.scene, state.tool, "asking"];
     }
     if (state.station !== "") this.station = state.station;
@@ -238,6 +248,7 @@ export class MouseDevice {
 
   private end(message: Words): void {
     this.hold = "none";
+    this.expects = false;
     this.message = message;
     this.pose = undefined;
     this.pointers.clear();

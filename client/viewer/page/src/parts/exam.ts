@@ -1,9 +1,9 @@
-import {say} from "../messages/say";
+import {say, sayList} from "../messages/say";
 import {ownText} from "../model/local_text";
 import {sayReason} from "../model/reasons";
 import {clock} from "../model/words";
 import {kTopics} from "../model/world";
-import type {ExamAnswer, ExamState, OpenExam} from "../protocol/exam_messages";
+import type {ExamAnswer, ExamState, ExamTurn, OpenExam} from "../protocol/exam_messages";
 import type {Exercise, TrialPhase, TrialState} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
 import {ExamDesk} from "../ui/exam_desk";
@@ -14,7 +14,8 @@ export interface ExamEvents {
   publish(topic: string, message: object): boolean;
   /// The scene in which an exercise can be done; empty: it is not served.
   served(exercise: Exercise): string;
-  begin(scene: string, tool: string, ask: () => boolean): void;
+  /// Takes the tool that the gateway gives for a task.
+  begin(ask: () => boolean): void;
   /// Called when it changes whether the page is restricted to an exam.
   changed(): void;
 }
@@ -37,6 +38,7 @@ export class Exam {
   private state: ExamState = {open: null};
   private trial: TrialState | undefined;
   private endsS: number | undefined; // end of the exam, page's clock
+  private calledS: number | undefined; // until when a seat is kept
   private trialEndsS: number | undefined;
   private teaches = false;
   private tag = 0;
@@ -102,21 +104,28 @@ export class Exam {
   tick(nowS: number): void {
     const {open} = this.state;
     if (!open) return;
-    this.endsS ??= nowS + open.left_s;
+    const {turn} = open;
+    const stands = !this.teaches && turn?.phase === "waits";
+    if (stands || this.endsS === undefined) this.endsS = nowS + open.left_s;
     const left = clock(Math.ceil(this.endsS - nowS));
-    if (this.teaches) return this.desk.tick(left);
+    if (this.teaches) return this.desk.tick(left, nowS);
+    this.calledS ??= nowS + (turn?.left_s ?? 0);
+    if (turn?.phase === "called" && !this.isBusy) {
+      const time = clock(Math.max(0, Math.ceil(this.calledS - nowS)));
+      setText(this.word, say("exam.called", {seat: turn.seat, time}));
+    }
     setText(this.clock, say("exam.left", {time: left}));
     const runs = this.trial?.phase === "running";
     if (runs) this.trialEndsS ??= nowS + (this.trial?.left_s ?? 0);
     const ownLeft = runs ? clock(Math.ceil((this.trialEndsS ?? nowS) - nowS)) : "";
     setText(this.trialClock, runs ? say("exam.trial_left", {time: ownLeft}) : "");
-    this.begin.hidden = runs || this.isBusy || !open.exercise || this.endsS <= nowS;
+    this.begin.hidden = !this.mayBegin(open) || this.endsS <= nowS;
   }
 
   private receiveState(state: ExamState): void {
     const was = this.isOn;
     this.state = state;
-    this.endsS = undefined;
+    this.endsS = this.calledS = undefined;
     this.desk.show(state);
     this.show();
     document.body.classList.toggle("in-exam", this.isOn);
@@ -139,15 +148,21 @@ export class Exam {
     setText(this.goal, shown ? `${ownText(shown.title)}: ${ownText(shown.goal)}` : "");
     this.bar.classList.toggle("works", this.isBusy);
     this.handIn.hidden = this.trial?.phase !== "running";
-    this.begin.hidden = this.isBusy || !shown;
+    this.begin.hidden = !this.mayBegin(open);
     this.task.replaceChildren(...(shown && !this.isBusy ? aboutOf(shown, open) : []));
     setText(this.word, this.wordOf(open));
   }
 
+  private mayBegin({exercise, turn}: OpenExam): boolean {
+    return !this.isBusy && exercise !== undefined && turn?.phase !== "waits";
+  }
+
   private wordOf(open: OpenExam): string {
+    const {turn} = open;
     const phase = this.trial?.phase;
     if (phase && kBusy.has(phase))
       return say(`exercises.${phase}`, {reason: sayReason(this.trial!.reason)});
+    if (turn?.phase === "waits") return waitingWords(turn);
     if (open.cut) return say("exam.cut", {reason: sayReason(open.cut)});
     if (!open.exercise) return say("exam.done");
     if (this.events.served(open.exercise) === "") return say("exercises.not_served");
@@ -156,9 +171,8 @@ export class Exam {
 
   private beginTask(): void {
     const exercise = this.state.open?.exercise;
-    const scene = exercise ? this.events.served(exercise) : "";
-    if (!exercise || scene === "") return this.show();
-    this.events.begin(scene, exercise.tool, () =>
+    if (!exercise || this.events.served(exercise) === "") return this.show();
+    this.events.begin(() =>
       this.events.publish(kTopics.trial, {op: "begin", exercise: exercise.name}),
     );
   }
@@ -170,6 +184,14 @@ export class Exam {
   private ask(wish: object): void {
     this.events.publish(kTopics.exam, {tag: (this.tag += 1), ...wish});
   }
+}
+
+function waitingWords({scene, ahead, works = []}: ExamTurn): string {
+  const waits = say("exam.waits", {scene, ahead});
+  const names = sayList("list.separator", works);
+  const who = say("exam.who_works", {names});
+  const first = names === "" ? waits : say("list.sentences", {first: waits, second: who});
+  return say("list.sentences", {first, second: say("exam.clock_stands")});
 }
 
 function whereIn({tasks, task = 0, trial = 1, trials = 1}: OpenExam): string {

@@ -1,7 +1,15 @@
 import {type Key, say} from "../messages/say";
 import {ownText} from "../model/local_text";
 import {reasonWords, sayReason} from "../model/reasons";
-import type {ExamFile, ExamPerson, ExamState, ExamTrial, OpenExam} from "../protocol/exam_messages";
+import {clock} from "../model/words";
+import type {
+  ExamFile,
+  ExamPerson,
+  ExamState,
+  ExamTrial,
+  ExamTurn,
+  OpenExam,
+} from "../protocol/exam_messages";
 import {make, press, setText, sure} from "./elements";
 import {Room} from "./room";
 import {followLanguage} from "./spoken";
@@ -18,6 +26,8 @@ export class ExamDesk {
   private readonly clock = make("span.clock", {role: "timer"});
   private readonly running = make("section");
   private readonly files = make("ul.exam-files");
+  private readonly waits: {words: HTMLElement; turn: ExamTurn}[] = []; // who has waited
+  private drawnS: number | undefined; // page's clock
   private shown = "";
   private drawn = (): void => {}; // draws the same again
 
@@ -39,8 +49,13 @@ export class ExamDesk {
     this.room.tell(reasonWords(refusal), true);
   }
 
-  tick(left: string): void {
+  tick(left: string, nowS: number): void {
     setText(this.clock, say("exam.left", {time: left}));
+    this.drawnS ??= nowS;
+    for (const {words, turn} of this.waits) {
+      const goes = turn.phase === "waits" ? nowS - this.drawnS : 0;
+      setText(words, say("exam.waited", {time: clock(Math.floor(turn.waited_s + goes))}));
+    }
   }
 
   show({open, exams = [], trouble = ""}: ExamState): void {
@@ -54,6 +69,8 @@ export class ExamDesk {
 
   private draw(open: ExamState["open"], exams: readonly ExamFile[]): void {
     this.drawn = () => this.draw(open, exams);
+    this.waits.length = 0;
+    this.drawnS = undefined;
     this.running.replaceChildren(...(open?.people ? this.aboutOf(open, open.people) : []));
     const isOpen = open !== null && !open.closed;
     const rows = exams.map((exam) => this.rowOf(exam, isOpen));
@@ -101,19 +118,35 @@ export class ExamDesk {
     return [...told, down, bar, table];
   }
 
-  private personRow({person, name, task, trials}: ExamPerson, open: OpenExam): HTMLElement {
-    const {tasks, closed} = open;
-    const isDone = task >= tasks;
-    const at = isDone ? say("exam.all_done") : say("exam.task_of", {task: task + 1, tasks});
+  private personRow(whose: ExamPerson, open: OpenExam): HTMLElement {
+    const {person, name, trials} = whose;
+    const {closed} = open;
     const list = make("ul", ...trials.map((trial) => make("li", wordsOf(trial))));
     const choice = make("td");
     if (!closed && trials.some(({counts, running}) => counts && !running))
       choice.append(
         ask("exam.again", () => this.wish({op: "again", person}), {sayTitle: "exam.again_title"}),
       );
-    const cells = [make("td", at), make("td", list), choice];
+    const cells = [this.standing(whose, open), make("td", list), choice];
     const who = make("th", {scope: "row"}, name);
     return make("tr", who, ...cells);
+  }
+
+  /// At which task a person is, and whether they work or wait.
+  private standing({task, title, turn}: ExamPerson, {closed}: OpenExam): HTMLElement {
+    if (turn.phase === "done") return make("td", say("exam.all_done"));
+    const at = make("span", `${say("exam.task", {task: task + 1})}: ${ownText(title)}`);
+    if (closed) return make("td", at);
+    const {scene, seat, ahead} = turn;
+    const phase = make("span.turn", say(`exam.turn_${turn.phase}`, {scene, seat, ahead}));
+    phase.classList.add(turn.phase);
+    const lines = [at, phase];
+    if (turn.waited_s > 0 || turn.phase === "waits") {
+      const words = make("span.quiet");
+      this.waits.push({words, turn});
+      lines.push(words);
+    }
+    return make("td", ...lines);
   }
 }
 
