@@ -24,6 +24,7 @@ import {eventually, probe, until} from "./support/browser";
 import {pressed, sessionState, stationStatistics, toolState} from "./support/fake_gateway";
 import {kCuttable, kMarked, kTestScene, type TestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
+import {shadedPixels} from "./support/visible_pixels";
 import {aroundPit, kPitBlock, pit, solidBlock} from "./support/solid_blocks";
 
 const kCut: TestScene = {...kCuttable, name: "cut"};
@@ -311,6 +312,21 @@ test("a tissue that comes to the surface is drawn there, and a legend names all"
   const {brown} = await comparePixels([await stillPicture(), await stillPicture()]);
   expect(brown).toBeGreaterThan(200);
   await reads("#tissues", "shell core");
+});
+
+test("a tool casts a shadow on what it comes near to, but where pictures are as poor as can be", async () => {
+  await open({}, "?scene=test-box&quality=full");
+  await stillPicture();
+  const at = (heightM: number): Promise<number> =>
+    shadedPixels(page, {p: [0, 0.025 + 0.012 + heightM, 0], q: [1, 0, 0, 0]});
+  const touching = await at(0);
+  expect(touching).toBeGreaterThan(500);
+  // From above it falls farther away, is softer, and is gone at last.
+  expect(await at(0.005)).toBeGreaterThan(100);
+  expect(await at(0.3)).toBe(0);
+  await page.locator("#quality").selectOption("low");
+  await stillPicture();
+  expect(await at(0)).toBe(0);
 });
 
 test("what burs cut is bookmarked, and brought back to how it stood then", async () => {

@@ -7,11 +7,13 @@ import {
   Mesh,
   OneFactor,
   Vector3,
+  Vector4,
 } from "three";
 
 import type {Body, SceneModel} from "../model/bundle";
 import {axisOf} from "../model/first_sight";
 import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../base/pose";
+import {type NearEndBall, nearEndOf} from "../model/near_end";
 import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
@@ -38,6 +40,7 @@ export class ToolView {
     depthWrite: false,
     depthFunc: GreaterDepth,
   });
+  private readonly shape: readonly NearEndBall[]; // of its end, in its frame
   private veil: Material | undefined; // of its shaft where that hides its end
 
   /// @param end     its working end, in its frame
@@ -56,6 +59,7 @@ export class ToolView {
     this.body = new BodyMesh(tool, scene, "tool", index, cache);
     const {geometry} = this.body.mesh;
     this.seeThrough(sightM);
+    this.shape = nearEndOf(tool, end, sightM);
     [this.ghost, this.lead] = [new Ghost(geometry), new Ghost(geometry)];
     this.groups = [this.body.group, this.ghost.group, this.lead.group, this.marks.group];
     this.ghost.setDistance(0);
@@ -69,6 +73,13 @@ export class ToolView {
   /// Its working end, in W.
   get endInWorld(): Vec3 {
     return pointOf(this.pose, this.end);
+  }
+
+  /// The shape of its end, in W: centres and radii.
+  get nearEnd(): Vector4[] {
+    return this.shape.map(
+      ({centre, radiusM}) => new Vector4(...pointOf(this.pose, centre), radiusM),
+    );
   }
 
   paint(palette: Palette): void {
