@@ -29,6 +29,7 @@ import {followLanguage} from "./ui/spoken";
 import {ThemeSwitch} from "./ui/theme";
 import {readPalette} from "./view/palette";
 
+import {TissueList} from "./ui/tissue_list";
 const kTickMs = 100; // plots and figures
 const kOldNewsS = 1; // messages this soon after the link opened are not news
 
@@ -47,6 +48,7 @@ export class App {
   private readonly viewControls = new ViewControls(this.picture);
   private readonly figures = new Figures((message) => this.link.publish(kTopics.operate, message));
   private readonly link: GatewayLink = new GatewayLink(this.world, {
+  private readonly tissues = new TissueList();
     link: (state) => {
       if (state === "open") {
         this.loadAgain();
@@ -262,6 +264,7 @@ export class App {
     this.figures.lesson.showGoal(scene, world.goals.get(scene));
     this.hold.showTools(this.model?.tools ?? []);
     this.showWhole();
+    this.tissues.show(this.model);
     this.showTitle();
   }
 
@@ -307,7 +310,9 @@ export class App {
     const station = this.station(now);
     const time = this.replay.plotTime(station, now);
     const taskN = this.exam.limitN ?? this.exercises.limitN;
-    this.figures.showStation(station, this.hold.station, taskN, this.model, time, report, now);
+    const guards = this.exam.isOn ? [] : this.exercises.guardsIn(this.choice.scene);
+    const task = {limitN: taskN, guards};
+    this.figures.showStation(station, this.hold.station, task, this.model, time, report, now);
     this.figures.showStations(this.world.listed(now), this.hold.mouse.station, now);
     this.choice.showLists(station, now);
     this.classRoom.tick(now);
@@ -315,4 +320,5 @@ export class App {
     this.history.tick(now);
     this.exam.tick(now);
   }
+    this.tissues.update(this.model, this.world.remainsOf(this.choice.scene));
 }

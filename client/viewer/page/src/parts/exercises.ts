@@ -3,7 +3,13 @@ import {Guide} from "../model/guide";
 import {ownText, scoreLink} from "../model/local_text";
 import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
-import type {DoneTrial, Exercise, ExerciseList, TrialState} from "../protocol/exercise_messages";
+import type {
+  DoneTrial,
+  Exercise,
+  ExerciseList,
+  Guard,
+  TrialState,
+} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
 import {Room} from "../ui/room";
 import {followLanguage, setWords} from "../ui/spoken";
@@ -105,6 +111,14 @@ export class Exercises {
     if (!this.runs) return undefined;
     const most_N = this.exercises.find(({name}) => name === this.trial?.exercise)?.most_N ?? 0;
     return most_N > 0 ? most_N : undefined;
+  }
+
+  /// What is to be spared in a scene: by the running trial's exercise, or by all that are done there.
+  guardsIn(scene: string): readonly Guard[] {
+    const own = this.exercises.find(({name}) => this.runs && name === this.trial?.exercise);
+    const here = this.exercises.filter((one) => this.events.served(one) === scene);
+    const guards = (own ? [own] : here).flatMap(({guards = []}) => guards);
+    return guards.filter(({tissue}, i) => guards.findIndex((one) => one.tissue === tissue) === i);
   }
 
   /// Returns the expert's tool for a hand that follows it; undefined: it is not shown.

@@ -11,6 +11,11 @@ export interface DoneTrial {
   readonly reason: string;
   readonly page: string; // key of the score page, below /score/; empty: there is none
 }
+/// A tissue to be spared, and how near to it a bur is warned.
+export interface Guard {
+  readonly tissue: string;
+  readonly within_mm: number;
+}
 export interface Exercise {
   readonly name: string;
   readonly title: LocalText;
@@ -24,6 +29,7 @@ export interface Exercise {
   readonly trials: number;
   readonly pass: number;
   readonly guide: readonly (readonly number[])[]; // keys of the expert's motion; empty: not shown
+  readonly guards?: readonly Guard[]; // not in an exam, which gives no hints
   readonly done: readonly DoneTrial[];
 }
 export interface ExerciseList {
