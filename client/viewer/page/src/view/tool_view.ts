@@ -20,6 +20,7 @@ import {ForceMarks} from "./arrows";
 import {BodyMesh, place, type SurfaceCache} from "./body_mesh";
 import {Ghost, makeRim} from "./ghost";
 import type {Palette} from "./palette";
+import {addFlutes} from "./flutes";
 import {capEnds, clear} from "./shaft";
 
 /// A tool in the picture: its body, the ghosts of the hand and of the guide, and its forces.
@@ -41,6 +42,7 @@ export class ToolView {
     depthFunc: GreaterDepth,
   });
   private readonly shape: readonly NearEndBall[]; // of its end, in its frame
+  private readonly turning = {value: 1}; // of a bur; 0: it stands still
   private veil: Material | undefined; // of its shaft where that hides its end
 
   /// @param end     its working end, in its frame
@@ -59,6 +61,7 @@ export class ToolView {
     this.body = new BodyMesh(tool, scene, "tool", index, cache);
     const {geometry} = this.body.mesh;
     this.seeThrough(sightM);
+    if (tool.bur) addFlutes(this.body.mesh.material, tool.bur, this.turning);
     this.shape = nearEndOf(tool, end, sightM);
     [this.ghost, this.lead] = [new Ghost(geometry), new Ghost(geometry)];
     this.groups = [this.body.group, this.ghost.group, this.lead.group, this.marks.group];
@@ -120,6 +123,11 @@ export class ToolView {
     this.ghost.setDistance(apartM + leverM * angleBetween(haptic.q, graphic.q));
     // Where the objects push: a long tool's centroid is often outside the picture.
     this.marks.set(middleOfPush(points) ?? centre, forceN, torqueNm, points, radiusM);
+  }
+
+  /// Shows whether it turns, if it is a bur.
+  setTurning(turns: boolean): void {
+    this.turning.value = turns ? 1 : 0;
   }
 
   /// Shows where the hand should move it; undefined: nowhere.
