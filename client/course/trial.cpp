@@ -56,6 +56,9 @@ std::int64_t Now_s() {
       .count();
 }
 
+/// Pages warn of a tissue to be spared at least from this distance on.
+constexpr double kLeastWarning_mm = 0.5;
+
 Json JsonOf(const LocalText& text) {
   Json json = Json::object();
   for (const auto& [language, words] : text) json[language] = words;
@@ -81,6 +84,12 @@ Json JsonOf(const Exercise& exercise) {
                       {"gates", criterion.gates},
                       {"harms", criterion.harms}});
   }
+  Json guards = Json::array();
+  for (const Criterion& criterion : exercise.criteria.criteria) {
+    if (criterion.measure != "thickness_mm") continue;
+    guards.push_back(
+        {{"tissue", criterion.tissue}, {"within_mm", std::max(criterion.best, kLeastWarning_mm)}});
+  }
   const char* const starts[] = {"whole", "bookmark", "as_it_is"};
   return {{"name", exercise.name},
           {"title", JsonOf(exercise.title)},
@@ -97,6 +106,7 @@ Json JsonOf(const Exercise& exercise) {
           {"graded", graded},
           {"sources", exercise.sources},
           {"guide", guide},
+          {"guards", guards},
           {"done", Json::array()}};
 }
 
@@ -647,7 +657,7 @@ std::string TrialRoom::PictureOf(const std::string& path) const {
 
 std::string TrialRoom::DescribeJson(const std::string& exercise) const {
   Json json = JsonOf(*Find(exercise));
-  json.erase("guide");  // the guide is a hint
+  for (const char* hint : {"guide", "guards"}) json.erase(hint);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

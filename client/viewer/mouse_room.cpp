@@ -115,11 +115,11 @@ void MouseRoom::Start(Mouse& mouse, std::int64_t now_ns) {
   }
 }
 
-void MouseRoom::Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns) {
+void MouseRoom::Drag(Holder holder, const Pose& X_WT, bool still, std::int64_t now_ns) {
   Mouse* const mouse = Find(holder);
   if (mouse == nullptr) return;
   mouse->moved_ns = now_ns;
-  if (mouse->station) mouse->station->Drag(X_WT);
+  if (mouse->station) mouse->station->Drag(X_WT, still);
 }
 
 void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string& reason,

@@ -62,7 +62,7 @@ class MouseRoom {
                    const std::string& absent, std::int64_t now_ns, bool waits = false);
   void Go(Holder holder, std::int64_t now_ns);
   /// Has no effect if the viewer holds nothing: poses may arrive after a release.
-  void Drag(Holder holder, const Pose& X_WT, std::int64_t now_ns);
+  void Drag(Holder holder, const Pose& X_WT, bool still, std::int64_t now_ns);
   /// Also to be called when the viewer has gone.
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
   void ReleaseAll(const std::string& reason, std::int64_t now_ns);

@@ -12,7 +12,7 @@ constexpr std::int64_t kPatience_ns = 3'000'000'000;
 
 }  // namespace
 
-std::string ToMouseLine(const Pose& X) {
+std::string ToMouseLine(const Pose& X, bool still) {
   std::string line;
   for (const double value : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()}) {
     char text[32];
@@ -20,7 +20,7 @@ std::string ToMouseLine(const Pose& X) {
     if (!line.empty()) line += ' ';
     line.append(static_cast<const char*>(text), end);
   }
-  return line + '\n';
+  return line + (still ? " still\n" : "\n");
 }
 
 MouseStation::MouseStation(const std::string& program, const std::vector<std::string>& arguments)

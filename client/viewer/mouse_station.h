@@ -11,7 +11,8 @@ namespace palpate {
 
 /// Returns the pose as an input line of a station's mouse device (devices/mouse/mouse_device.h),
 /// exact to the bit.
-std::string ToMouseLine(const Pose& X_WT);
+/// @param still  a bur stands still there
+std::string ToMouseLine(const Pose& X_WT, bool still = false);
 
 /// A palpate-station with the mouse device, run as a child process; its hand follows Drag.
 /// The server treats it as any other station.  It ends when its input ends, also if this
@@ -23,7 +24,7 @@ class MouseStation {
   /// Throws Error if no process can be created.
   MouseStation(const std::string& program, const std::vector<std::string>& arguments);
   /// Sends a pose.  Only the newest counts; one that the busy child has not read is skipped.
-  void Drag(const Pose& X_WT) { child_.Write(ToMouseLine(X_WT)); }
+  void Drag(const Pose& X_WT, bool still = false) { child_.Write(ToMouseLine(X_WT, still)); }
   /// Lets its hand rest at the tool's present pose, without force, until the next pose.
   void Rest() { child_.Write("release\n"); }
   /// Closes its input; it leaves its session and ends within a second, or is killed after three.

@@ -80,6 +80,7 @@ MouseCommand ParseMouseCommand(std::string_view text) {
       if (wxyz.size() != 4) q.Fail("give four numbers: [w, x, y, z]");
       command.X_WT = {json.At("p").Vector(),
                       Quat(wxyz[0].Number(), wxyz[1].Number(), wxyz[2].Number(), wxyz[3].Number())};
+      if (const auto still = json.Find("still")) command.still = still->Boolean();
       break;
     }
     case MouseCommand::Op::kRelease:

@@ -33,7 +33,8 @@ struct MouseCommand {
   Op op = Op::kRelease;
   std::string scene;
   std::string tool;
-  Pose X_WT;  ///< finite; the rotation need not be a unit quaternion
+  Pose X_WT;           ///< finite; the rotation need not be a unit quaternion
+  bool still = false;  ///< a bur stands still there
 };
 MouseCommand ParseMouseCommand(std::string_view json);
 

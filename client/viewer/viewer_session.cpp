@@ -269,7 +269,7 @@ void ViewerSession::OnMouse(std::string_view payload) {
     case MouseCommand::Op::kTake:
       return hub_.Take(*this, command, now_ns);
     case MouseCommand::Op::kPose:
-      return mice.Drag(id(), command.X_WT, now_ns);
+      return mice.Drag(id(), command.X_WT, command.still, now_ns);
     case MouseCommand::Op::kRelease:
       return mice.Release(id(), "", now_ns);
     case MouseCommand::Op::kWhole:

@@ -45,7 +45,11 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
     if (!value) return refuse("give 'x y z qw qx qy qz', seven numbers, or 'release'");
     number[i] = *value;
   }
-  if (!TakeWord(rest).empty()) return refuse("more than seven numbers");
+  const std::string_view more = TakeWord(rest);
+  const bool still = more == "still";
+  if (!(still || more.empty()) || !TakeWord(rest).empty()) {
+    return refuse("more than seven numbers and 'still'");
+  }
   Pose X;
   X.p = Vec3(number[0], number[1], number[2]);
   X.q = Quat(number[3], number[4], number[5], number[6]);
@@ -56,7 +60,7 @@ std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& comp
   const double norm = X.q.norm();
   if (!(norm >= 1e-3 && norm <= 1e3)) return refuse("a quaternion that is no rotation");
   X.q.coeffs() /= norm;
-  return MouseLine{X};
+  return MouseLine{X, still};
 }
 
 MouseDevice::MouseDevice(int lines, const Pose& start)
@@ -108,7 +112,7 @@ void MouseDevice::ReadLines() {
 void MouseDevice::TakeLine(std::string_view line) {
   std::string complaint;
   if (const auto order = ParseMouseLine(line, complaint)) {
-    orders_.Write({!order->X_WT, order->X_WT.value_or(Pose{})});
+    orders_.Write({!order->X_WT, order->still, order->X_WT.value_or(Pose{})});
   } else if (++bad_lines_ <= kComplaints) {
     spdlog::warn("mouse: line '{}' is ignored: {}{}", line.substr(0, 60), complaint,
                  bad_lines_ == kComplaints ? "; further ones are not reported" : "");
@@ -122,9 +126,10 @@ DeviceSample MouseDevice::Read() noexcept {
       hand_.LetGo();
     } else {
       hand_.Follow(order.X_WT);
+      buttons_ = order.still ? kStillBurButton : 0;
     }
   }
-  return {hand_.pose(), hand_.twist(), 0, kDeviceForcesIgnored};
+  return {hand_.pose(), hand_.twist(), buttons_, kDeviceForcesIgnored};
 }
 
 const char* MouseDevice::activity() const noexcept {

@@ -16,11 +16,12 @@ namespace palpate {
 /// A command to the mouse's hand, from a line of text.
 struct MouseLine {
   std::optional<Pose> X_WT;  ///< pose to which the tool is dragged; none: release
+  bool still = false;        ///< a bur stands still there
 };
 
-/// Parses `x y z qw qx qy qz` (metres; a quaternion of any length but zero; in W) or `release`.
-/// Returns nothing, with the reason, for anything else: not seven finite numbers, a position beyond
-/// 10 m, or a zero quaternion.
+/// Parses `x y z qw qx qy qz` (metres; a quaternion of any length but zero; in W), which `still` may
+/// follow, or `release`.  Returns nothing, with the reason, for anything else: not seven finite
+/// numbers, a position beyond 10 m, or a zero quaternion.
 std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& complaint);
 
 /// A mouse, or anything else that writes such lines to a file descriptor: each is a pose to which
@@ -40,13 +41,14 @@ class MouseDevice final : public BlindDevice {
 
  private:
   struct Order {
-    bool release = false;
+    bool release = false, still = false;
     Pose X_WT;
   };
   void ReadLines();
   void TakeLine(std::string_view line);
 
   bool let_go_ = false;
+  std::uint32_t buttons_ = 0;
   LatestMailbox<Order> orders_;
   std::atomic<bool> ended_{false};
   int bad_lines_ = 0;

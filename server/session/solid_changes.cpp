@@ -13,6 +13,32 @@ namespace {
 /// Size of a sample besides its surface [bytes].
 constexpr double kHead = 110.0;
 
+/// Returns the volume of each material that is gone from a block, without the zeros at the end
+/// [mm^3]; over all blocks it is what CutField::VolumeLeft has lost, which scores are made of.
+std::vector<float> RemovedFrom(const CutField& whole, const CutField& cut, std::size_t block) {
+  std::vector<float> removed_mm3;
+  const SparseField& field = cut.field();
+  if (field.entry(block) == SparseField::kBelow) return removed_mm3;
+  const Lattice& lattice = field.lattice();
+  const double h = lattice.spacing, voxel_mm3 = 1e9 * h * h * h;
+  std::array<double, SolidGrid::kMaterials> removed{};
+  const std::array<int, 3> at = lattice.BlockAt(block);
+  for (int n = 0; n < SparseField::kPoints; ++n) {
+    const int i = 8 * at[0] + (n & 7), j = 8 * at[1] + (n >> 3 & 7), k = 8 * at[2] + (n >> 6);
+    if (field.At(i, j, k) < -h) continue;  // no bur has reached that voxel
+    removed[cut.solid().MaterialOf(block, n)] += whole.Left(i, j, k) - cut.Left(i, j, k);
+  }
+  for (const double voxels : removed) {
+    removed_mm3.push_back(static_cast<float>(voxel_mm3 * voxels));
+  }
+  while (!removed_mm3.empty() && removed_mm3.back() == 0.0f) removed_mm3.pop_back();
+  return removed_mm3;
+}
+
+std::uint64_t HashOf(const std::vector<float>& values) {
+  return BundleHash({reinterpret_cast<const std::uint8_t*>(values.data()), 4 * values.size()});
+}
+
 /// Returns a block and those beside it.
 std::vector<std::uint32_t> Round(const Lattice& lattice, std::uint32_t block) {
   std::vector<std::uint32_t> round;
@@ -32,7 +58,9 @@ std::vector<std::uint32_t> Round(const Lattice& lattice, std::uint32_t block) {
 }  // namespace
 
 SolidChanges::SolidChanges(std::span<const CutSolid> solids, const std::vector<CutField>& cuts) {
-  for (std::size_t i = 0; i < solids.size(); ++i) solids_.push_back({&solids[i], &cuts[i]});
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    solids_.push_back({&solids[i], &cuts[i], CutField(*solids[i].grid, kMostGridBytes, "", 1)});
+  }
 }
 
 void SolidChanges::Wait(const Place& place, std::int64_t now_ns) {
@@ -77,10 +105,12 @@ bool SolidChanges::Tell(const Place& place, SolidBlockNews& news) {
   const std::array<int, 3> block = lattice.BlockAt(place.block);
   EncodeSurface(surface_, lattice.Point(8 * block[0], 8 * block[1], 8 * block[2]), lattice.spacing,
                 news.surface);
-  // If it has no surface, and had none, nothing need be published.
-  const bool bare = surface_.triangles.empty() && (!cut || grid.field().entry(place.block) < 0);
+  news.removed_mm3 = RemovedFrom(at.whole, *at.cut, place.block);
+  // If it has no surface, and had none, and lacks nothing, nothing need be published.
+  const bool bare = surface_.triangles.empty() && news.removed_mm3.empty() &&
+                    (!cut || grid.field().entry(place.block) < 0);
   if (bare && !at.published.contains(place.block)) return false;
-  const std::uint64_t hash = BundleHash(news.surface) + (cut ? 1 : 0);
+  const std::uint64_t hash = BundleHash(news.surface) + HashOf(news.removed_mm3) + (cut ? 1 : 0);
   const auto [published, is_first] = at.published.try_emplace(place.block, hash);
   if (!is_first && std::exchange(published->second, hash) == hash) return false;
   wire::SolidBlock& sample = news.sample;
@@ -111,7 +141,8 @@ void SolidChanges::AddNews(std::int64_t now_ns, std::uint64_t& count,
       solids_[place->solid].waiting.erase(waits);
       SolidBlockNews one;
       if (Tell(*place, one)) {
-        bytes_.Spend(kHead + static_cast<double>(one.surface.size()), now_ns);
+        const std::size_t more = one.surface.size() + 4 * one.removed_mm3.size();
+        bytes_.Spend(kHead + static_cast<double>(more), now_ns);
         one.sample.change = ++count;
         news.push_back(std::move(one));
       }

@@ -15,10 +15,11 @@
 
 namespace palpate {
 
-/// A block to be published.  `sample.surface` is empty; the surface is in `surface`.
+/// A block to be published.  The sequences of `sample` are empty; they are beside it.
 struct SolidBlockNews {
   wire::SolidBlock sample{};
   std::vector<std::uint8_t> surface;
+  std::vector<float> removed_mm3;
 };
 
 /// Publishes to viewers, block by block, what burs left of a scene's solids.
@@ -61,6 +62,7 @@ class SolidChanges {
   struct Solid {
     const CutSolid* solid;
     const CutField* cut;
+    CutField whole;  ///< of the same solid, of which nothing is cut
     std::map<std::uint32_t, Times> waiting{};            ///< by block
     std::map<std::uint32_t, std::uint64_t> published{};  ///< by block: hash of what was published
   };

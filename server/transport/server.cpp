@@ -308,6 +308,7 @@ void Server::PublishChanges(std::int64_t now_ns) {
   bool taken = true;
   for (SolidBlockNews& news : table_.TakeCuts(now_ns)) {
     PointTo(news.surface, news.sample.surface);
+    PointTo(news.removed_mm3, news.sample.removed_mm3);
     taken = taken && solid_blocks_.Write(news.sample);
     if (!taken) table_.TellAgain(news.sample, now_ns);
   }

@@ -2,6 +2,7 @@
 import {expect} from "vitest";
 
 import {
+  appears,
   atGateway,
   firstPicture,
   gateway,
@@ -23,10 +24,19 @@ import type {Probe} from "@page/parts/probe";
 import {eventually, probe, until} from "./support/browser";
 import {pressed, sessionState, stationStatistics, toolState} from "./support/fake_gateway";
 import {kCuttable, kMarked, kTestScene, type TestScene} from "./support/scene_bytes";
+import {kExercise, ownExam} from "./support/exam_state";
 import {browserTest as test} from "./support/skip";
+import {shadedPixels} from "./support/visible_pixels";
 import {aroundPit, kPitBlock, pit, solidBlock} from "./support/solid_blocks";
 
 const kCut: TestScene = {...kCuttable, name: "cut"};
+
+/// Whose tool is a bur.
+const kDrilled: TestScene = {
+  ...kMarked,
+  name: "drilled",
+  tools: [{...kTestScene.tools[0]!, burRadius: 0.002}],
+};
 
 const kTeeth: TestScene = {
   ...kTestScene,
@@ -38,7 +48,7 @@ const kTeeth: TestScene = {
   })),
 };
 
-atGateway(kTestScene, kCut, kTeeth, kMarked);
+atGateway(kTestScene, kCut, kTeeth, kMarked, kDrilled);
 
 /// A ball that is pressed on the box with `newtons`, 30 times a second.
 /// @param x  where on the box, as its pictures go on
@@ -311,6 +321,69 @@ test("a tissue that comes to the surface is drawn there, and a legend names all"
   const {brown} = await comparePixels([await stillPicture(), await stillPicture()]);
   expect(brown).toBeGreaterThan(200);
   await reads("#tissues", "shell core");
+  const removedMm3 = [0, 1.25];
+  gateway.send("/palpate/solid_block", solidBlock("marked", kPitBlock, 1, pit(), {removedMm3}));
+  await reads("#tissues", "Removed shell 0.00 mm³ core 1.25 mm³");
+});
+
+test("a bur turns while its pedal is held; its depth is shown and, in practice alone, what it comes too near to", async () => {
+  gateway.hasCourse = true;
+  const guards = [{tissue: "core", within_mm: 1}];
+  const exercise = {...kExercise, scene: "drilled", guards};
+  gateway.retain("/palpate/exercises", {exercises: [exercise]});
+  await open({}, "?scene=drilled");
+  await appears("#guard-box");
+  expect(await isVisible("#pedal")).toBe(false);
+  giveTools();
+  await page.keyboard.press("m");
+  await until(page, "the tool", ({hold}) => hold === "holding");
+  await appears("#pedal");
+  const stills = (): unknown[] =>
+    gateway.published.filter(({op}) => op === "pose").map(({still}) => still ?? false);
+  await page.keyboard.press("ArrowDown");
+  await page.keyboard.down("Space");
+  await eventually("it turns", () => stills().at(-1) === false);
+  expect(stills()[0]).toBe(true);
+  await page.waitForTimeout(300); // longer than a tap
+  await page.keyboard.up("Space");
+  await eventually("it stands", () => stills().at(-1) === true);
+  await page.locator("#pedal").click();
+  await eventually("it turns on", () => stills().at(-1) === false);
+  expect(await page.locator("#pedal").getAttribute("aria-pressed")).toBe("true");
+
+  const put = (x: number, y: number): void => {
+    const graphic = {p: [x, y, 0], q: [1, 0, 0, 0]} as const;
+    const state = {station: "mouse_1", scene: "drilled", tool: "ball", haptic: graphic, graphic};
+    move((poseSequence) =>
+      gateway.send("/palpate/tool_state", toolState({...state, poseSequence})),
+    );
+  };
+  put(0.02, 0.022); // the bur's middle is 2 mm above its tip, the core a ball of 10 mm about (0, 20, 0)
+  await reads("#drilled", "3.00");
+  await reads("#guard", "over 2");
+  put(0.0125, 0.018);
+  await reads("#guard", "0.5");
+  await reads("#drilled", "7.00");
+  expect(await page.locator("body.near-guarded").count()).toBe(1);
+  await reads("#spoken", /Near: core, 0.5 mm/);
+  gateway.send("/palpate/exam_state", ownExam({exercise: kExercise}));
+  await vanishes("#guard-box");
+  expect(await page.locator("body.near-guarded").count()).toBe(0);
+});
+
+test("a tool casts a shadow on what it comes near to, but where pictures are as poor as can be", async () => {
+  await open({}, "?scene=test-box&quality=full");
+  await stillPicture();
+  const at = (heightM: number): Promise<number> =>
+    shadedPixels(page, {p: [0, 0.025 + 0.012 + heightM, 0], q: [1, 0, 0, 0]});
+  const touching = await at(0);
+  expect(touching).toBeGreaterThan(500);
+  // From above it falls farther away, is softer, and is gone at last.
+  expect(await at(0.005)).toBeGreaterThan(100);
+  expect(await at(0.3)).toBe(0);
+  await page.locator("#quality").selectOption("low");
+  await stillPicture();
+  expect(await at(0)).toBe(0);
 });
 
 test("what burs cut is bookmarked, and brought back to how it stood then", async () => {

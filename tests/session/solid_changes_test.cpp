@@ -115,6 +115,19 @@ class SolidChangesTest : public testing::Test {
     EXPECT_GT(cut_blocks, 20u);
   }
 
+  /// Viewers are told the volume that is missing, as a score computes it.
+  void ExpectRemoved(const CutField& cut) {
+    const double whole = CutField(grid(), kMostGridBytes, "block").VolumeLeft()[0];
+    const double gone_mm3 = 1e9 * (whole - cut.VolumeLeft()[0]);
+    double told_mm3 = 0.0;
+    for (const auto& [block, news] : shown_) {
+      ASSERT_LE(news.removed_mm3.size(), 1u);
+      for (const float removed : news.removed_mm3) told_mm3 += removed;
+    }
+    EXPECT_GT(gone_mm3, 0.1);
+    EXPECT_NEAR(told_mm3, gone_mm3, 1e-5 * gone_mm3);
+  }
+
   std::int64_t now_ = 1000 * kMs;
   std::vector<std::shared_ptr<const ServedTool>> tools_ = BlockTools();
   SessionTable table_{tools_, kServerRun};
@@ -144,6 +157,12 @@ TEST_F(SolidChangesTest, ViewersAreShownWhatTheLoopFeels) {
     EXPECT_EQ(news.sample.object_index, 0u);
     EXPECT_EQ(wire::ToVec3(news.sample.origin_m), grid().field().lattice().origin);
   }
+  ExpectRemoved(loop().cuts()[0]);
+  // So deep that blocks within are gone which never had a surface that viewers saw.
+  Move({1e-3, 0, -1.5e-3}, 1000);
+  Settle();
+  ExpectShown(loop().cuts()[0].field());
+  ExpectRemoved(loop().cuts()[0]);
 }
 
 // At 20 mm/s a ball of 1.4 mm changes more than the budget lets through.

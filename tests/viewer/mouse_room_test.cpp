@@ -119,7 +119,7 @@ TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
   Take(7);
   const std::int64_t now_ns = SteadyNanoseconds();
   room_.Poll(now_ns + MouseRoom::kIdle_ns / 2);
-  room_.Drag(7, Pose{}, now_ns + MouseRoom::kIdle_ns / 2);
+  room_.Drag(7, Pose{}, false, now_ns + MouseRoom::kIdle_ns / 2);
   room_.Poll(now_ns + MouseRoom::kIdle_ns);
   EXPECT_TRUE(room_.holds(7));
   room_.Poll(now_ns + 2 * MouseRoom::kIdle_ns);

@@ -43,13 +43,14 @@ TEST(MouseStation, IsToldPosesToTheBit) {
     const Vec3 p = random.InCube(1.0) * (i % 2 == 0 ? 1.0 : 1e-9);
     const Vec3 a = random.InCube(1.0);
     const Pose X{p, Quat(1.0, a.x(), a.y(), a.z())};
-    std::string line = ToMouseLine(X);
+    std::string line = ToMouseLine(X, i % 3 == 0);
     ASSERT_EQ(line.back(), '\n');
     line.pop_back();
     std::string complaint;
     const auto read = ParseMouseLine(line, complaint);
     ASSERT_TRUE(read && read->X_WT) << line << complaint;
     ASSERT_EQ(read->X_WT->p, p);
+    ASSERT_EQ(read->still, i % 3 == 0);
     ASSERT_LT((read->X_WT->q.coeffs() - X.q.normalized().coeffs()).norm(), 1e-15);
   }
 }

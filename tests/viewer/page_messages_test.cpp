@@ -40,6 +40,9 @@ TEST(MouseCommand, TakesDragsReleasesAndMakesWhole) {
   EXPECT_EQ(pose.op, MouseCommand::Op::kPose);
   EXPECT_EQ(pose.X_WT.p, Vec3(0.1, -2, 0.003));
   EXPECT_EQ(pose.X_WT.q.y(), 0.5);
+  EXPECT_FALSE(pose.still);
+  const char* const still = R"({"op":"pose","p":[0,0,0],"q":[1,0,0,0],"still":true})";
+  EXPECT_TRUE(ParseMouseCommand(still).still);
   EXPECT_EQ(ParseMouseCommand(R"({"op":"release"})").op, MouseCommand::Op::kRelease);
   const MouseCommand whole = ParseMouseCommand(R"({"op":"whole","scene":"calculus"})");
   EXPECT_EQ(whole.op, MouseCommand::Op::kWhole);

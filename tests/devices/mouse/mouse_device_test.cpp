@@ -25,6 +25,8 @@ TEST(MouseLine, IsAPoseWhoseRotationIsMadeUnit) {
   ASSERT_TRUE(line && line->X_WT);
   EXPECT_EQ(line->X_WT->p, Vec3(0.1, -0.25, 0.003));
   EXPECT_EQ(line->X_WT->q.w(), 1.0);
+  EXPECT_FALSE(line->still);
+  EXPECT_TRUE(ParseMouseLine("0 0 0 1 0 0 0 still", complaint)->still);
 }
 
 TEST(MouseLine, LetsGo) {
@@ -39,7 +41,8 @@ TEST(MouseLine, IsNotUsedWhereItIsNoPose) {
        {"", "1 2 3", "0 0 0 1 0 0", "0 0 0 1 0 0 0 0", "a b c d e f g", "0 0 0 1 0 0 0x",
         "nan 0 0 1 0 0 0", "0 nan 0 1 0 0 0", "0 0 nan 1 0 0 0", "inf 0 0 1 0 0 0",
         "0 11 0 1 0 0 0", "0 0 0 0 0 0 0", "0 0 0 nan 0 0 0", "0 0 0 1e300 0 0 0",
-        "1e999 0 0 1 0 0 0", "release me", "0,1 0 0 1 0 0 0"}) {
+        "1e999 0 0 1 0 0 0", "release me", "0,1 0 0 1 0 0 0", "0 0 0 1 0 0 0 still 1",
+        "0 0 0 1 0 0 still"}) {
     EXPECT_FALSE(Parses(line)) << line;
   }
 }

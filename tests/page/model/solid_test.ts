@@ -1,6 +1,7 @@
 import {expect, test, vi} from "vitest";
 
-import {Remains} from "@page/model/remains";
+import type {SceneModel} from "@page/model/bundle";
+import {Remains, removedByTissue} from "@page/model/remains";
 import {readBlock} from "@page/model/solid";
 import {kTopics, World} from "@page/model/world";
 import {toSolidBlock} from "@page/protocol/messages";
@@ -30,6 +31,24 @@ test("a block's bytes come out as they went in, with narrow numbers and with wid
     expect([...block.triangles.subarray(0, 3)]).toEqual(last);
     expect([...block.materials]).toEqual([1, 2, 3]);
   }
+});
+
+test("what is removed is the sum of the newest blocks, by tissue, and nothing once the scene is whole", () => {
+  const remains = new Remains();
+  const tell = (block: number, change: number, removed: readonly number[], object = 0): void =>
+    void remains.cut(told(block, change, pit(), {removed_mm3: removed, object_index: object}));
+  tell(5, 1, [1, 2]);
+  tell(5, 3, [1.5, 2]);
+  tell(5, 2, [9, 9]); // came late
+  tell(6, 4, [0.25]);
+  tell(7, 5, [0, 0.125, 4]);
+  tell(5, 6, [8], 1);
+  const model = {objects: [{tissues: ["enamel", "pulp", "enamel"]}, {tissues: ["pulp"]}]};
+  const removed = (): object =>
+    Object.fromEntries(removedByTissue(model as unknown as SceneModel, remains));
+  expect(removed()).toEqual({enamel: 1.5 + 0.25 + 4, pulp: 2 + 0.125 + 8});
+  remains.undo(6);
+  expect(removed()).toEqual({enamel: 0, pulp: 0});
 });
 
 test("a block may be empty, which also is a cut", () => {

@@ -6,7 +6,8 @@ import {MouseDevice} from "@page/mouse/mouse_device";
 const kStart: Pose = {p: [0, 0.06, 0], q: [1, 0, 0, 0]};
 const at = (p: Vec3): Pose => ({...kIdentity, p});
 
-let published: {op: string; p?: Vec3}[];
+let still = false;
+let published: {op: string; p?: Vec3; still?: boolean}[];
 let tools: Map<string, {pose: Pose; touches: boolean; centroid: Vec3}>; // by station
 let canvas: EventTarget;
 let mouse: MouseDevice;
@@ -20,6 +21,7 @@ beforeEach(() => {
   mouse = new MouseDevice({
     publish: (message) => published.push(message as {op: string}) > 0,
     changed: () => {},
+    still: () => still,
     viewFrame: () => ({
       ...{right: [1, 0, 0], up: [0, 1, 0], forward: [0, 0, -1], metresPerPixel: 0.001},
     }),
@@ -65,6 +67,25 @@ test("a tool that is taken once more begins anew, not where the last one was let
   vi.advanceTimersByTime(1000);
   press("ArrowRight");
   expect(poses().slice(1)).toEqual([[0.508, 0, 0]]);
+});
+
+test("a bur's pedal is told with the pose, also where the hand rests, and not before it has moved", () => {
+  tools.set("anna", {pose: kStart, touches: false, centroid: [0, 0, 0]});
+  take("anna");
+  still = true;
+  mouse.pedalled();
+  vi.advanceTimersByTime(100);
+  expect(poses()).toEqual([]);
+  press("ArrowRight");
+  for (const now of [false, false, true]) {
+    still = now;
+    mouse.pedalled();
+    vi.advanceTimersByTime(100);
+  }
+  still = false;
+  const told = published.filter(({op}) => op === "pose");
+  expect(told.map((pose) => pose.still ?? false)).toEqual([true, false, true]);
+  expect(new Set(told.map(({p}) => String(p))).size).toBe(1);
 });
 
 test("a hand moves nothing whose place is not known yet", () => {

@@ -57,10 +57,12 @@ test("what servers and stations say comes out as it went in", () => {
     limiter: {nonfinite: 0, clamped: 0, slewed: 0, braked: 30, warm: 0, faded: 0, disabled: 7},
     ...{energyJ: 0.0125, energyLeastJ: 0, warmth: 0.21, deviceStatus: 5},
   });
-  const block = solidBlock("cube", kPitBlock, 9, pit(), {object: 2, cut: false});
+  const more = {object: 2, cut: false, removedMm3: [0.5, 0.25]};
+  const block = solidBlock("cube", kPitBlock, 9, pit(), more);
   expect(toSolidBlock(through("/palpate/solid_block", block))).toEqual({
     ...{scene: "cube", objectIndex: 2, block: kPitBlock, change: 9, serverRun: "1", cut: false},
     ...{originM: [-0.0336, -0.0336, -0.0336], spacingM: 0.0021, blocks: [4, 4, 4], surface: pit()},
+    removedMm3: [0.5, 0.25],
   });
 });
 

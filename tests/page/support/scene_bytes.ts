@@ -4,6 +4,7 @@ import {mergeVertices} from "three/examples/jsm/utils/BufferGeometryUtils.js";
 
 import {
   BodyT,
+  BurT,
   Contact,
   FeaturesT,
   Friction,
@@ -41,6 +42,7 @@ export interface TestBody {
   readonly tissues?: readonly string[]; // their names
   readonly regions?: readonly {centre: Vec3; radius: number; tissue: number}[]; // balls
   readonly look?: string;
+  readonly burRadius?: number; // a round bur, whose tip is at its origin
 }
 export interface TestScene {
   readonly name: string;
@@ -175,6 +177,7 @@ function bodyOf(
     tissues = [],
     regions = [],
     look = "",
+    burRadius,
   }: TestBody,
   geometry: number,
 ): BodyT {
@@ -187,6 +190,7 @@ function bodyOf(
     pose: new PoseT(new Vec3T(...p), ...q),
     materials: materials.map(({stiffness}) => new MaterialT(stiffness, 0, 0, Infinity)),
     leafMaterial: isPainted ? leaves.map(({material}) => material ?? 0) : [],
+    bur: burRadius ? new BurT([0, 0], burRadius) : null,
     grid: cutColours
       ? new GridT(
           50e-6,

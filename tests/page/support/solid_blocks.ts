@@ -34,10 +34,10 @@ export const solidBlock = (
   block: number,
   change: number,
   surface: Uint8Array,
-  {cut = true, serverRun = 1n, object = 0} = {},
+  {cut = true, serverRun = 1n, object = 0, removedMm3 = [] as readonly number[]} = {},
 ): object => ({
   ...{scene, object_index: object, block, change: BigInt(change), server_run: serverRun},
-  ...{...kLattice, cut, surface},
+  ...{...kLattice, cut, surface, removed_mm3: removedMm3},
 });
 
 /// In the top of the test's box, where the lattice has this block: x from -16.8 mm to 0, y from 16.8 mm

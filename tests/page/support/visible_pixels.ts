@@ -83,6 +83,42 @@ export const visiblePixels = (page: Page, pose: Pose): Promise<number> =>
     return seen;
   }, pose);
 
+/// Counts the pixels of the canvas that the scene's first tool makes darker where it is put, without itself.
+export const shadedPixels = (page: Page, pose: Pose): Promise<number> =>
+  page.evaluate((at) => {
+    const {view} = (window.palpate as unknown as Parts).picture;
+    const own = view as unknown as {
+      renderer: {getContext(): WebGL2RenderingContext};
+      tools: {name: string; groups: {visible: boolean}[]}[];
+    };
+    const {name, groups} = own.tools[0]!;
+    const gl = own.renderer.getContext();
+    const lightWith = (graphic: Pose): number[] => {
+      const still = {forceN: [0, 0, 0], torqueNm: [0, 0, 0], points: [], contacts: 0} as const;
+      view.setTool(name, {...still, haptic: graphic, graphic} as never);
+      for (const group of groups) group.visible = false;
+      view.render(performance.now());
+      const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+      gl.readPixels(
+        0,
+        0,
+        gl.drawingBufferWidth,
+        gl.drawingBufferHeight,
+        gl.RGBA,
+        gl.UNSIGNED_BYTE,
+        pixels,
+      );
+      const light: number[] = [];
+      for (let i = 0; i < pixels.length; i += 4)
+        light.push(pixels[i]! + pixels[i + 1]! + pixels[i + 2]!);
+      return light;
+    };
+    const near = lightWith(at); // first: a view that is new looks at it
+    const far = lightWith({...at, p: [0, 10, 0]});
+    groups[0]!.visible = true; // the tool itself; its ghosts and marks show on their own
+    return near.filter((light, i) => light < far[i]! - 9).length;
+  }, pose);
+
 /// Where the tool starts, and where its end is in the middle of the work, within what is there.
 export const poses = (page: Page): Promise<Record<"start" | "inside", Pose>> =>
   page.evaluate(async () => {

@@ -14,12 +14,14 @@ import {SceneStore} from "./parts/scene_store";
 import {ToolHold} from "./parts/tool_hold";
 import {ViewControls} from "./parts/view_controls";
 import {WholeButton} from "./parts/whole_button";
+import {norm} from "./base/pose";
 import type {SceneModel} from "./model/bundle";
 import type {LinkReport} from "./model/link_report";
 import type {Station} from "./model/station";
 import {type Change, kTopics, World} from "./model/world";
 import type {Exercise} from "./protocol/exercise_messages";
 import {toMouseState, toReplayAnswer} from "./protocol/messages";
+import {BurSound} from "./ui/bur_sound";
 import {element} from "./ui/elements";
 import {listenForKeys} from "./ui/keys";
 import {Notice} from "./ui/notice";
@@ -27,6 +29,7 @@ import {listenToPanel} from "./ui/panel";
 import {listenToSetting} from "./ui/settings";
 import {followLanguage} from "./ui/spoken";
 import {ThemeSwitch} from "./ui/theme";
+import {TissueList} from "./ui/tissue_list";
 import {readPalette} from "./view/palette";
 
 const kTickMs = 100; // plots and figures
@@ -45,6 +48,8 @@ export class App {
     lead: (now) => this.exercises.lead(now, this.station(now)?.shown(now)?.haptic.p),
   });
   private readonly viewControls = new ViewControls(this.picture);
+  private readonly tissues = new TissueList();
+  private readonly burSound = new BurSound();
   private readonly figures = new Figures((message) => this.link.publish(kTopics.operate, message));
   private readonly link: GatewayLink = new GatewayLink(this.world, {
     link: (state) => {
@@ -144,6 +149,7 @@ export class App {
     });
     listenToSetting("left-handed");
     listenToSetting("projector", () => this.repaint());
+    listenToSetting("bur-mute", (on) => (this.burSound.mute = on));
     listenToSetting("force-sound", (on) => this.figures.sound.want(on));
     followLanguage(() => this.showTitle());
     this.hold.show();
@@ -261,6 +267,7 @@ export class App {
       world.remainsOf(scene),
       (tool) => world.lastMoverOf(scene, tool)?.track.latest?.graphic,
     );
+    this.tissues.show(this.model);
     this.viewControls.showScene();
     this.figures.lesson.showGoal(scene, world.goals.get(scene));
     this.hold.showTools(this.model?.tools ?? []);
@@ -310,8 +317,13 @@ export class App {
     const station = this.station(now);
     const time = this.replay.plotTime(station, now);
     const taskN = this.exam.limitN ?? this.exercises.limitN;
-    this.figures.showStation(station, this.hold.station, taskN, this.model, time, report, now);
+    const guards = this.exam.isOn ? [] : this.exercises.guardsIn(this.choice.scene);
+    const task = {limitN: taskN, guards};
+    this.figures.showStation(station, this.hold.station, task, this.model, time, report, now);
+    const forceN = norm(this.hold.ownState?.forceN ?? [0, 0, 0]);
+    this.burSound.update(this.hold.burTurns ? forceN : undefined);
     this.figures.showStations(this.world.listed(now), this.hold.mouse.station, now);
+    this.tissues.update(this.model, this.world.remainsOf(this.choice.scene));
     this.choice.showLists(station, now);
     this.classRoom.tick(now);
     this.exercises.tick(now);

@@ -17,9 +17,11 @@ export interface SphereLevel {
   readonly radii: Float32Array;
 }
 
-export interface Geometry {
+export interface Triangles {
   readonly vertices: Float32Array; // x y z, x y z, ... [m]
   readonly triangles: Uint32Array;
+}
+export interface Geometry extends Triangles {
   readonly leafTriangleBegin: Uint32Array;
   readonly leafTriangle: Uint32Array;
   readonly levels: readonly SphereLevel[]; // coarse to fine; the last level is the leaves
@@ -44,14 +46,23 @@ export interface Body {
   /// Of each material, 0xrrggbb, or 0x1000000: viewers choose.  Empty: burs do not cut the body.
   readonly cutColours: readonly number[];
   readonly tissues: readonly string[]; // name of each, as written in the scene; empty: unnamed
-  readonly regions: readonly Region[]; // boxes and balls; later ones take precedence
+  readonly regions: readonly Region[]; // later ones take precedence
+  readonly bur: Bur | undefined; // of a tool that cuts by turning
+}
+
+/// The cutting part of a tool: a curve turned about the tool's y axis, and all within a distance of it.
+/// Its tip is the tool's origin.
+export interface Bur {
+  readonly curve: readonly (readonly [rho: number, y: number])[]; // convex, from the axis and back to it [m]
+  readonly rounding: number; // that distance [m]
 }
 
 /// A part of a body that burs cut, with a tissue of its own; in the body's frame.
 export interface Region {
   readonly low: Vec3; // of a box, or a ball's centre [m]
   readonly high: Vec3;
-  readonly radiusM: number; // 0: a box
+  readonly radiusM: number; // 0: a box, or a mesh
+  readonly mesh: Triangles | undefined; // closed: what is within it
   readonly tissue: number; // index into the body's tissues
 }
 
@@ -138,6 +149,7 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     ),
     tissues: Array.from({length: body.grid()?.namesLength() ?? 0}, (_, i) => body.grid()!.names(i)),
     regions: Array.from({length: body.grid()?.regionsLength() ?? 0}, (_, i) => regionOf(body, i)),
+    bur: burOf(body),
     margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
 }
@@ -145,7 +157,24 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
 function regionOf(body: WireBody, i: number): Region {
   const region = body.grid()!.regions(i)!;
   const [low, high] = [vec3(region.low()!), vec3(region.high()!)];
-  return {low, high, radiusM: region.radius(), tissue: region.material()};
+  const mesh = body.grid()!.regionMeshes(i);
+  // An empty list of a box or ball has no alignment, and could not be read in place.
+  const vertices = mesh && mesh.verticesLength() > 0 && Float32Array.from(mesh.verticesArray()!);
+  return {
+    ...{low, high, radiusM: region.radius(), tissue: region.material()},
+    mesh: vertices ? {vertices, triangles: mesh.trianglesArray()!} : undefined,
+  };
+}
+
+function burOf(body: WireBody): Bur | undefined {
+  const bur = body.bur();
+  if (!bur || bur.at()) return undefined; // an edge does not turn
+  const rounding = bur.rounding();
+  const curve = Array.from(
+    {length: bur.curveLength() / 2},
+    (_, i) => [bur.curve(2 * i)!, rounding + bur.curve(2 * i + 1)!] as const,
+  );
+  return {curve, rounding};
 }
 
 function readGeometry(geometry: WireGeometry): Geometry {

@@ -17,7 +17,7 @@ import {
 /// The initial position of the camera: it shows the work area and the tools' near ends, and the
 /// tools from their side.
 
-interface Ball {
+export interface Ball {
   readonly centre: Vec3;
   readonly radiusM: number;
 }

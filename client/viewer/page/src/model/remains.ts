@@ -1,3 +1,4 @@
+import type {SceneModel} from "./bundle";
 import type {SolidBlock} from "../protocol/messages";
 import {countOf, latticeOf, readBlock, Solid} from "./solid";
 
@@ -39,4 +40,16 @@ export class Remains {
   solidOf(object: number): Solid | undefined {
     return this.solids.get(object);
   }
+}
+
+/// Returns what burs have removed of each tissue of a scene, which may have several materials [mm³].
+export function removedByTissue({objects}: SceneModel, remains: Remains): Map<string, number> {
+  const removed = new Map<string, number>();
+  objects.forEach(({tissues}, object) => {
+    const solid = remains.solidOf(object);
+    tissues.forEach((name, material) => {
+      removed.set(name, (removed.get(name) ?? 0) + (solid?.removedMm3(material) ?? 0));
+    });
+  });
+  return removed;
 }

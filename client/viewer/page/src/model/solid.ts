@@ -26,6 +26,7 @@ export interface Block {
   readonly vertices: Uint8Array; // x y z, x y z, ... [steps]
   readonly triangles: Uint16Array; // counter-clockwise, seen from outside
   readonly materials: Uint8Array; // one for all triangles, or one for each
+  readonly removedMm3: readonly number[]; // of each material
 }
 
 /// An object that burs have cut: the newest version of each block, received in any order.
@@ -39,6 +40,13 @@ export class Solid {
     if ((this.blocks.get(number)?.change ?? 0) > block.change) return;
     this.blocks.set(number, block);
     this.version += 1;
+  }
+
+  /// What burs have removed of a material.
+  removedMm3(material: number): number {
+    let sum = 0;
+    for (const {removedMm3} of this.blocks.values()) sum += removedMm3[material] ?? 0;
+    return sum;
   }
 
   undo(lastChange: number): void {
@@ -86,7 +94,7 @@ export function latticeOf({originM: origin, spacingM, blocks}: SolidBlock): Latt
 }
 
 /// Returns undefined if the bytes are damaged.
-export function readBlock({change, cut, surface}: SolidBlock): Block | undefined {
+export function readBlock({change, cut, surface, removedMm3}: SolidBlock): Block | undefined {
   const words = new DataView(surface.buffer, surface.byteOffset, surface.byteLength);
   if (words.byteLength < 6) return undefined;
   const [count, quads, others] = [0, 2, 4].map((at) =>
@@ -98,7 +106,8 @@ export function readBlock({change, cut, surface}: SolidBlock): Block | undefined
   if (count === 0) {
     const none = new Uint8Array();
     const isBare = faces === 0 && words.byteLength === 6;
-    return isBare ? {change, cut, vertices: none, triangles, materials: none} : undefined;
+    const bare = {change, cut, vertices: none, triangles, materials: none, removedMm3};
+    return isBare ? bare : undefined;
   }
   const wide = count <= kNarrow ? 1 : 2;
   const begin = 6 + 3 * count;
@@ -120,5 +129,6 @@ export function readBlock({change, cut, surface}: SolidBlock): Block | undefined
       : Uint8Array.from({length: triangles.length / 3}, (_, t) =>
           t < 2 * quads ? materials[t >> 1]! : materials[t - quads]!,
         );
-  return {change, cut, vertices: surface.slice(6, begin), triangles, materials: ofTriangles};
+  const vertices = surface.slice(6, begin);
+  return {change, cut, vertices, triangles, materials: ofTriangles, removedMm3};
 }

@@ -10,6 +10,8 @@ export type Hold = "none" | "asking" | "holding";
 export interface MouseHost {
   publish(message: object): boolean;
   changed(): void;
+  /// Whether the tool is a bur that stands still.
+  still(): boolean;
   viewFrame(at: Vec3): ViewFrame;
   /// Returns the pose of the tool in this session, or else in the scene; whether it touches; and
   /// its centroid in its own frame.  Undefined while the scene is not known.
@@ -46,9 +48,9 @@ export class MouseDevice {
   private message: Words = "";
   station = "";
   scene = "";
-  private tool = "";
+  tool = "";
   private pose: Pose | undefined;
-  private sent: Pose | undefined;
+  private sent: {pose: Pose; still: boolean} | undefined;
   private lastSentMs = -Infinity;
   private timer: number | undefined;
   private patience: number | undefined;
@@ -268,6 +270,11 @@ export class MouseDevice {
     this.send();
   }
 
+  /// A bur has begun or ceased to turn.
+  pedalled(): void {
+    this.send();
+  }
+
   /// Sends at once, or when the last pose is old enough: the newest pose is always sent.
   private send(): void {
     const waitMs = this.lastSentMs + kSendEveryMs - performance.now();
@@ -278,10 +285,12 @@ export class MouseDevice {
       }, waitMs);
       return;
     }
-    if (!this.pose || (this.sent && samePose(this.sent, this.pose))) return;
+    const {pose, sent} = this;
+    const still = this.host.still();
+    if (!pose || (sent?.still === still && samePose(sent.pose, pose))) return;
     this.lastSentMs = performance.now();
-    this.sent = this.pose;
-    this.host.publish({op: "pose", p: this.pose.p, q: this.pose.q});
+    this.sent = {pose, still};
+    this.host.publish({op: "pose", p: pose.p, q: pose.q, ...(still ? {still} : {})});
   }
 }
 

@@ -9,6 +9,7 @@ import type {
   Exercise,
   ExerciseList,
   Graded,
+  Guard,
   TrialState,
 } from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
@@ -120,6 +121,14 @@ export class Exercises {
     if (!this.runs) return undefined;
     const most_N = this.exercises.find(({name}) => name === this.trial?.exercise)?.most_N ?? 0;
     return most_N > 0 ? most_N : undefined;
+  }
+
+  /// What is to be spared in a scene: by the running trial's exercise, or by all that are done there.
+  guardsIn(scene: string): readonly Guard[] {
+    const own = this.exercises.find(({name}) => this.runs && name === this.trial?.exercise);
+    const here = this.exercises.filter((one) => this.events.served(one) === scene);
+    const guards = (own ? [own] : here).flatMap(({guards = []}) => guards);
+    return guards.filter(({tissue}, i) => guards.findIndex((one) => one.tissue === tissue) === i);
   }
 
   /// Returns the expert's tool for a hand that follows it; undefined: it is not shown.

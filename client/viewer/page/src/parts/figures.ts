@@ -2,6 +2,7 @@ import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {LinkReport} from "../model/link_report";
 import {norm} from "../base/pose";
+import {burOf, drilledM} from "../model/drilled";
 import {isProbe, kProbeLimitN, probingDepthM, tellsProbingDepth} from "../model/probing";
 import {touchedObjects} from "../model/touched";
 import {
@@ -16,15 +17,23 @@ import {
   touchedWords,
 } from "../model/words";
 import type {Station} from "../model/station";
+import type {Guard} from "../protocol/exercise_messages";
 import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";
 import {element, make, setText, setTextOf} from "../ui/elements";
 import {ForceBar} from "../ui/force_bar";
+import {GuardSign} from "../ui/guard_sign";
 import {Lesson} from "../ui/lesson";
 import {OverSound} from "../ui/over_sound";
 import {Plots, type PlotTime} from "../ui/plots";
 import {followLanguage} from "../ui/spoken";
+
+/// What the person's task asks for.
+export interface Task {
+  readonly limitN: number | undefined; // force limit; undefined: the goal's applies
+  readonly guards: readonly Guard[];
+}
 
 /// Figures, plots and texts about stations, and a teacher's decisions about them.
 export class Figures {
@@ -32,6 +41,7 @@ export class Figures {
   readonly plots = new Plots(element("plots", HTMLDivElement));
   readonly sound = new OverSound();
   private readonly bar = new ForceBar();
+  private readonly guard = new GuardSign();
   private readonly box = element("readout", HTMLDivElement);
   private readonly announcer: Announcer;
   private readonly console: Console;
@@ -64,12 +74,11 @@ export class Figures {
 
   /// @param station  whose figures are shown
   /// @param own      station of this page's mouse; empty: none
-  /// @param taskN    force limit of the person's task; undefined: the goal's applies
   /// @param model    of the shown scene
   showStation(
     station: Station | undefined,
     own: string,
-    taskN: number | undefined,
+    task: Task,
     model: SceneModel | undefined,
     time: PlotTime,
     report: LinkReport,
@@ -81,8 +90,9 @@ export class Figures {
     setTextOf("station-note", note);
     element("station-note", HTMLElement).hidden = note === "";
     const status = statusSentence(state, depthM);
-    const tooMuch = this.showLimit(state, model, taskN);
-    const sentence = [tooMuch, status, note]
+    const tooMuch = this.showLimit(state, model, task.limitN);
+    const tooNear = this.guard.show(state, model, task.guards);
+    const sentence = [tooNear, tooMuch, status, note]
       .filter((one) => one !== "")
       .reduce((first, second) => say("list.sentences", {first, second}));
     this.announcer.offer(report.tone === "alarm" ? report.text : sentence, 1000 * nowS);
@@ -145,6 +155,9 @@ export class Figures {
     element("probing-box", HTMLElement).hidden = !tells;
     const depthM = tells && state ? probingDepthM(model, state.graphic) : undefined;
     setTextOf("probing", depthM === undefined ? "–" : figure(1000 * depthM, 1));
+    const drills = model?.isCut === true && burOf(model, name) !== undefined;
+    element("drilled-box", HTMLElement).hidden = !drills;
+    setTextOf("drilled", drills && state ? figure(1000 * drilledM(model, state.graphic)) : "–");
     setTextOf("sentence", statusSentence(state)); // the figure beside it shows the depth
     return depthM;
   }

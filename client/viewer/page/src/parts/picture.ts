@@ -4,10 +4,10 @@ import type {Pose} from "../base/pose";
 import {looksTheSame} from "../model/pose_track";
 import {type Drawn, PictureQuality, qualityOf} from "../model/quality";
 import type {Remains} from "../model/remains";
-import {partWords, pictureWords} from "../model/words";
+import {pictureWords} from "../model/words";
 import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
-import {element, make} from "../ui/elements";
+import {element} from "../ui/elements";
 import {QualityPick} from "../ui/quality_pick";
 import {setWords} from "../ui/spoken";
 import {readPalette} from "../view/palette";
@@ -109,29 +109,7 @@ export class Picture {
     this.quality.restart();
     this.view.setScene(model, remains, poseOf);
     this.view.resize();
-    this.showTissues(model);
     setWords(this.canvas, "ariaLabel", () => (model ? pictureWords(model) : say("stage.view")));
-  }
-
-  /// The colours of what burs cut, as the scene names it.
-  private showTissues(model: SceneModel | undefined): void {
-    const named = new Map(
-      model?.objects.flatMap(({tissues, cutColours}) =>
-        tissues.map((name, i) => [name, cutColours[i]!] as const),
-      ),
-    );
-    const items = [...named].map(([name, colour]) => {
-      const swatch = make("i.swatch");
-      swatch.style.setProperty("--of", `#${colour.toString(16).padStart(6, "0")}`);
-      return make(
-        "li",
-        swatch,
-        make("span", () => partWords(name)),
-      );
-    });
-    const list = element("tissues", HTMLUListElement);
-    list.replaceChildren(...items);
-    list.hidden = items.length < 2;
   }
 
   /// What is looked at is shown beside what covers the picture for long: not the banner.

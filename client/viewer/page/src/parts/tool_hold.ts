@@ -1,11 +1,14 @@
 import {nameOf} from "../model/names";
 import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
+import {burOf} from "../model/drilled";
 import type {Station} from "../model/station";
 import {kTopics, type World} from "../model/world";
 import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
+import type {ToolState} from "../protocol/messages";
 import {element, onPress, setOptions, setText} from "../ui/elements";
 import type {Notice} from "../ui/notice";
+import {PedalButton} from "../ui/pedal_button";
 import type {Choice} from "./choice";
 import type {GatewayLink} from "./gateway_link";
 import {nowS} from "./now";
@@ -16,6 +19,7 @@ import type {SceneStore} from "./scene_store";
 export class ToolHold {
   readonly mouse: MouseDevice;
   private readonly button = onPress("take", () => this.takeOrRelease());
+  private readonly pedal = new PedalButton(() => this.showPedal());
   private readonly toolPick = element("tool", HTMLSelectElement);
 
   /// @param mayTake  returns whether this page may take a tool
@@ -37,6 +41,7 @@ export class ToolHold {
     this.mouse = new MouseDevice({
       publish: (message) => link.publish(kTopics.mouse, message),
       changed: () => this.show(),
+      still: () => this.holdsBur && !this.pedal.turns,
       viewFrame: (at) => view.camera.viewFrame(at),
       tool: (station, scene, tool) => this.whereIs(station, scene, tool),
     });
@@ -65,6 +70,24 @@ export class ToolHold {
   /// The tool to be taken, or taken.
   get tool(): string {
     return this.toolPick.value;
+  }
+
+  /// What the server last said of this page's tool.
+  get ownState(): ToolState | undefined {
+    return this.world.stations.get(this.station)?.own;
+  }
+  /// Whether this page holds a bur, and with its pedal pressed.
+  get burTurns(): boolean {
+    return this.holdsBur && this.pedal.turns;
+  }
+  private get holdsBur(): boolean {
+    const {hold, scene, tool} = this.mouse;
+    return hold === "holding" && burOf(this.scenes.model(scene), tool) !== undefined;
+  }
+
+  private showPedal(): void {
+    this.mouse.pedalled();
+    this.picture.view.setTurning(this.mouse.tool, !this.holdsBur || this.pedal.turns);
   }
 
   /// Shows the controls for taking a tool, or the hint, only if this page may.
@@ -97,8 +120,14 @@ export class ToolHold {
     const words = {holding: "tool.give_back", asking: "tool.cancel", none: "tool.take"} as const;
     setText(this.button, () => say(words[hold]));
     this.picture.view.camera.controls.enableZoom = !holding;
+    const isTouched = matchMedia("(pointer: coarse)").matches;
+    const how = (): string => say(isTouched ? "tool.how_by_touch" : "tool.how");
+    const pedal = (): string => say(isTouched ? "tool.pedal_by_touch" : "tool.pedal_how");
+    const {holdsBur} = this;
     const help = (): string =>
-      say(matchMedia("(pointer: coarse)").matches ? "tool.how_by_touch" : "tool.how");
+      holdsBur ? say("list.sentences", {first: pedal(), second: how()}) : how();
+    this.pedal.show(holdsBur);
+    this.showPedal();
     const asking = (): string => say("tool.asking");
     if (hold === "none" && message !== "") {
       const {scene} = this.choice;

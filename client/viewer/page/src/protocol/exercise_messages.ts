@@ -17,6 +17,11 @@ export interface Graded {
   readonly gates: boolean; // the task: the others count only as far as it is done
   readonly harms: boolean; // the others count only as far as this harm is not done
 }
+/// A tissue to be spared, and how near to it a bur is warned.
+export interface Guard {
+  readonly tissue: string;
+  readonly within_mm: number;
+}
 export interface Exercise {
   readonly name: string;
   readonly title: LocalText;
@@ -32,6 +37,7 @@ export interface Exercise {
   readonly pass: number;
   readonly graded: readonly Graded[];
   readonly guide: readonly (readonly number[])[]; // keys of the expert's motion; empty: not shown
+  readonly guards?: readonly Guard[]; // not in an exam, which gives no hints
   readonly done: readonly DoneTrial[];
 }
 export interface ExerciseList {

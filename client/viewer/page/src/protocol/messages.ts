@@ -23,10 +23,11 @@ const id =
   (name: string): Read<string> =>
   ({[name]: value}) =>
     typeof value === "bigint" || typeof value === "number" ? value.toString(16) : "0";
+const kArrays = [Float32Array, Float64Array, Uint32Array];
 const numbers =
   (name: string): Read<readonly number[]> =>
   ({[name]: value}) => {
-    if (value instanceof Float64Array || value instanceof Uint32Array) return Array.from(value);
+    if (kArrays.some((type) => value instanceof type)) return Array.from(value as Float64Array);
     return Array.isArray(value) ? value.map(Number) : [];
   };
 const vec3 =
@@ -161,6 +162,7 @@ export const toSolidBlock = message({
   spacingM: number("spacing_m"),
   blocks: vec3("blocks"),
   cut: flag("cut"),
+  removedMm3: numbers("removed_mm3"), // of each material of the object
   surface: ({surface}): Uint8Array => (surface instanceof Uint8Array ? surface : new Uint8Array()),
 });
 export type SolidBlock = ReturnType<typeof toSolidBlock>;

@@ -4,7 +4,7 @@ import {keep, recall} from "../base/kept";
 /// A switch in the settings, kept for the next visit: sets a class of the same name on the page,
 /// for the style sheet, and calls what else depends on it.
 export function listenToSetting(
-  name: "left-handed" | "projector" | "force-sound",
+  name: "left-handed" | "projector" | "force-sound" | "bur-mute",
   changed: (on: boolean) => void = () => {},
 ): void {
   const box = element(name, HTMLInputElement);

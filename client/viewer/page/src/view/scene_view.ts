@@ -10,6 +10,7 @@ import type {ToolState} from "../protocol/messages";
 import {BodyMesh, SurfaceCache} from "./body_mesh";
 import {Camera} from "./camera";
 import {CanvasSize} from "./canvas_size";
+import {kToLamp} from "./depth_cues";
 import {ToothLabels} from "./labels";
 import type {Palette} from "./palette";
 import {makeRenderer} from "./renderer";
@@ -64,7 +65,7 @@ export class SceneView {
     this.labels = new ToothLabels(labelSheet, buttons);
     this.camera = new Camera(canvas, calm, changed);
     const key = new DirectionalLight(0xffffff, 1.9);
-    key.position.set(0.5, 0.9, 0.8);
+    key.position.copy(kToLamp);
     const fill = new DirectionalLight(0xffffff, 0.75);
     fill.position.set(-0.9, 0.1, 0.5);
     // Lights fixed to the camera: every side that is looked at is lit the same way.
@@ -95,6 +96,7 @@ export class SceneView {
     if (!model) return;
     const cache = new SurfaceCache();
     const work = workOf(model);
+    this.layer?.cues.setWork(work);
     this.sightM = work.radiusM;
     this.radiusM = firstSight(model, []).radiusM;
     this.objects = model.objects.map((body, i) => new BodyMesh(body, model, "object", i, cache));
@@ -167,6 +169,11 @@ export class SceneView {
     this.lookAtAll();
   }
 
+  setTurning(name: string, turns: boolean): void {
+    this.tools.find((tool) => tool.name === name)?.setTurning(turns);
+    this.changed();
+  }
+
   /// Shows where a hand should move a tool, as a transparent tool; undefined: nowhere.
   setLead(name: string, pose: Pose | undefined): void {
     for (const tool of this.tools) tool.setLead(tool.name === name ? pose : undefined);
@@ -228,6 +235,7 @@ export class SceneView {
     }
     this.show(this.moving);
     renderer.info.reset();
+    layer.cues.light(this.quality.cues, eye, this.tools[0]?.nearEnd ?? []);
     renderer.render(scene, eye);
     costs.moving = info();
     return step.drawn;

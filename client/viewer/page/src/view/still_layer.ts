@@ -1,15 +1,11 @@
 import {
-  AlwaysDepth,
   Color,
   DepthTexture,
   LinearFilter,
   Matrix4,
-  Mesh,
   NearestFilter,
   type Object3D,
   type PerspectiveCamera,
-  PlaneGeometry,
-  ShaderMaterial,
   Vector2,
   type WebGLProgramParametersWithUniforms,
   type WebGLRenderer,
@@ -17,6 +13,8 @@ import {
 } from "three";
 
 import type {Drawn, InMotion} from "../model/quality";
+import {DepthCues, kLightAt} from "./depth_cues";
+import {fullPicture} from "./full_picture";
 import type {Palette} from "./palette";
 
 // Static objects are drawn once, with their depth, and copied under each picture: without a
@@ -26,31 +24,23 @@ import type {Palette} from "./palette";
 const kRestMs = 300;
 const kSamples = 4;
 
-// Both fill the picture, whatever the camera.
-const kVertexShader = `
-varying vec2 vUv;
-void main() {
-  vUv = uv;
-  gl_Position = vec4(position.xy, 1.0, 1.0);
-}`;
-
 // Like .picture in the style sheet, which shows if there is no WebGL.
 const kBackgroundShader = `
 uniform vec3 uGlow;
 uniform vec3 uPaper;
-varying vec2 vUv;
 void main() {
   float away = length((vUv - vec2(0.5, 0.58)) / vec2(0.75, 0.7));
   gl_FragColor = vec4(mix(uGlow, uPaper, min(away, 1.0)), 1.0);
 }`;
 
 const kCopyShader = `
+${kLightAt}
 uniform sampler2D uColour;
-uniform highp sampler2D uDepth;
-varying vec2 vUv;
 void main() {
+  float depth = texture2D(uDepth, vUv).r;
   gl_FragColor = texture2D(uColour, vUv);
-  gl_FragDepth = texture2D(uDepth, vUv).r;
+  gl_FragColor.rgb *= lightAt(vUv, depth);
+  gl_FragDepth = depth;
 }`;
 
 /// Makes a material write sRGB also into the layer, since 8 bits of linear light would show steps.
@@ -60,21 +50,6 @@ export function paintForScreen(shader: WebGLProgramParametersWithUniforms): void
     "#include <colorspace_fragment>",
     "gl_FragColor = sRGBTransferOETF(gl_FragColor);",
   );
-}
-
-type FullPicture = Mesh<PlaneGeometry, ShaderMaterial>;
-
-function fullPicture(fragmentShader: string, uniforms: Record<string, unknown>): FullPicture {
-  const material = new ShaderMaterial({
-    vertexShader: kVertexShader,
-    fragmentShader,
-    uniforms: Object.fromEntries(Object.entries(uniforms).map(([name, value]) => [name, {value}])),
-    depthFunc: AlwaysDepth,
-  });
-  const mesh = new Mesh(new PlaneGeometry(2, 2), material);
-  mesh.frustumCulled = false;
-  mesh.renderOrder = -1; // before everything else
-  return mesh;
 }
 
 function makeSheet(
@@ -104,7 +79,8 @@ export interface Step {
 export class StillLayer {
   /// To be drawn with the static objects, and with the moving ones.
   readonly background = fullPicture(kBackgroundShader, {uGlow: new Color(), uPaper: new Color()});
-  readonly copy = fullPicture(kCopyShader, {uColour: null, uDepth: null});
+  readonly copy = fullPicture(kCopyShader, {uColour: null});
+  readonly cues: DepthCues;
 
   private readonly whole = makeSheet(kSamples, NearestFilter);
   private readonly hurried = makeSheet(0, LinearFilter); // while the camera moves
@@ -115,6 +91,8 @@ export class StillLayer {
   private readonly projection = new Matrix4();
 
   constructor(private readonly renderer: WebGLRenderer) {
+    this.cues = new DepthCues(renderer);
+    Object.assign(this.copy.material.uniforms, this.cues.uniforms);
     this.background.material.depthWrite = false;
   }
 
@@ -158,10 +136,9 @@ export class StillLayer {
     sheet.setSize(Math.ceil(share * x), Math.ceil(share * y));
     this.renderer.setRenderTarget(sheet);
     this.renderer.render(scene, eye);
+    this.cues.took(sheet.depthTexture!, eye, sheet.width, sheet.height);
     this.renderer.setRenderTarget(null);
-    const {uColour, uDepth} = this.copy.material.uniforms;
-    uColour!.value = sheet.texture;
-    uDepth!.value = sheet.depthTexture;
+    this.copy.material.uniforms.uColour!.value = sheet.texture;
     this.shows = how;
   }
 

@@ -7,17 +7,20 @@ import {
   Mesh,
   OneFactor,
   Vector3,
+  Vector4,
 } from "three";
 
 import type {Body, SceneModel} from "../model/bundle";
 import {axisOf} from "../model/first_sight";
 import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../base/pose";
+import {type NearEndBall, nearEndOf} from "../model/near_end";
 import {middleOfPush} from "../model/touched";
 import type {ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, type SurfaceCache} from "./body_mesh";
 import {Ghost, makeRim} from "./ghost";
 import type {Palette} from "./palette";
+import {addFlutes} from "./flutes";
 import {capEnds, clear} from "./shaft";
 
 /// A tool in the picture: its body, the ghosts of the hand and of the guide, and its forces.
@@ -38,6 +41,8 @@ export class ToolView {
     depthWrite: false,
     depthFunc: GreaterDepth,
   });
+  private readonly shape: readonly NearEndBall[]; // of its end, in its frame
+  private readonly turning = {value: 1}; // of a bur; 0: it stands still
   private veil: Material | undefined; // of its shaft where that hides its end
 
   /// @param end     its working end, in its frame
@@ -56,6 +61,8 @@ export class ToolView {
     this.body = new BodyMesh(tool, scene, "tool", index, cache);
     const {geometry} = this.body.mesh;
     this.seeThrough(sightM);
+    if (tool.bur) addFlutes(this.body.mesh.material, tool.bur, this.turning);
+    this.shape = nearEndOf(tool, end, sightM);
     [this.ghost, this.lead] = [new Ghost(geometry), new Ghost(geometry)];
     this.groups = [this.body.group, this.ghost.group, this.lead.group, this.marks.group];
     this.ghost.setDistance(0);
@@ -69,6 +76,13 @@ export class ToolView {
   /// Its working end, in W.
   get endInWorld(): Vec3 {
     return pointOf(this.pose, this.end);
+  }
+
+  /// The shape of its end, in W: centres and radii.
+  get nearEnd(): Vector4[] {
+    return this.shape.map(
+      ({centre, radiusM}) => new Vector4(...pointOf(this.pose, centre), radiusM),
+    );
   }
 
   paint(palette: Palette): void {
@@ -109,6 +123,11 @@ export class ToolView {
     this.ghost.setDistance(apartM + leverM * angleBetween(haptic.q, graphic.q));
     // Where the objects push: a long tool's centroid is often outside the picture.
     this.marks.set(middleOfPush(points) ?? centre, forceN, torqueNm, points, radiusM);
+  }
+
+  /// Shows whether it turns, if it is a bur.
+  setTurning(turns: boolean): void {
+    this.turning.value = turns ? 1 : 0;
   }
 
   /// Shows where the hand should move it; undefined: nowhere.
