@@ -2,7 +2,7 @@ import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import {burOf} from "../model/drilled";
 import {guardedM} from "../model/guarded";
-import {figure} from "../model/words";
+import {figure, partWords} from "../model/words";
 import type {Guard} from "../protocol/exercise_messages";
 import type {ToolState} from "../protocol/messages";
 import {element, setText} from "./elements";
@@ -37,9 +37,9 @@ export class GuardSign {
     const distance = figure(1000 * awayM, 1);
     box.classList.toggle("over", isNear);
     document.body.classList.toggle("near-guarded", isNear);
-    setText(this.name, () => say("figure.guard", {tissue}));
+    setText(this.name, () => say("figure.guard", {tissue: partWords(tissue)}));
     setText(this.distance, awayM < Infinity ? distance : say("figure.guard_far"));
     if (!isNear) return "";
-    return awayM > 0 ? say("guard.near", {tissue, distance}) : say("guard.opened", {tissue});
+    return awayM > 0 ? say("guard.near", {tissue: partWords(tissue), distance}) : say("guard.opened", {tissue: partWords(tissue)});
   }
 }
