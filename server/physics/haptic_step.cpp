@@ -6,7 +6,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "common/error.h"
 #include "common/math/default_rounding.h"
 #include "common/math/rotation.h"
 #include "server/physics/contact/sub_step.h"
@@ -518,8 +520,28 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
 }
 
 TogetherWorkspace::TogetherWorkspace(std::span<const HapticModel* const> models) {
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw Error(std::string("tools that are stepped together: ") + what);
+  };
+  require(models.size() >= 2 && models.size() <= kMostTools, "there must be two to four");
   int rows = 0;
-  for (const HapticModel* model : models) rows += model->parameters().max_rows;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const HapticModel& model = *models[i];
+    require(model.tool_body() != nullptr, "all must touch by their meshes; use \"surface\"");
+    require(!model.yields() && !model.cuts(), "nothing may be soft, or cut");
+    const FrictionModel friction = model.parameters().features.friction;
+    require(friction == models[0]->parameters().features.friction &&
+                friction != FrictionModel::kChapter,
+            "all must have the same friction, coulomb or none");
+    for (const ContactBody& body : model.bodies()) {
+      if (body.tool < 0) continue;
+      const auto j = static_cast<std::size_t>(body.tool);
+      require(body.frame > 0 && j < models.size() && j != i,
+              "an object that is a tool must have a frame of its own and another tool's number");
+      require(!models[j]->is_ball(), "a ball may be the first of a pair, and not the second");
+    }
+    rows += model.parameters().max_rows;
+  }
   buffers_ = std::make_unique<Together>(rows);
 }
 TogetherWorkspace::~TogetherWorkspace() = default;

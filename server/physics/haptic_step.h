@@ -55,6 +55,7 @@ struct ToolStep {
 /// The buffers that a step of several tools needs beside their own.  Set-up.
 class TogetherWorkspace {
  public:
+  /// Throws Error if StepTogether cannot step tools of these models together.
   explicit TogetherWorkspace(std::span<const HapticModel* const> models);
   ~TogetherWorkspace();
   Together& buffers() { return *buffers_; }

@@ -2,10 +2,13 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.h"
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_model.h"
@@ -325,6 +328,23 @@ TEST(ToolsTogether, BalanceToRoundingWhereTheyRest) {
                 1e-5 * (torque + force * kRho));
     }
   }
+}
+
+TEST(ToolsTogether, AreRefusedInWordsIfTheyCannotBe) {
+  const Body box = Box("box", Vec3(0.013, 0.010, 0.011));
+  const auto said = [](const std::vector<Body>& tools) -> std::string {
+    try {
+      World(tools, {});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(said({box, box}), "");
+  EXPECT_EQ(said({test::BallBody(0.004), box}), "");
+  EXPECT_THAT(said({box, test::BallBody(0.004)}), testing::HasSubstr("and not the second"));
+  EXPECT_THAT(said({box}), testing::HasSubstr("two to four"));
+  EXPECT_THAT(said({box, box, box, box, box}), testing::HasSubstr("two to four"));
 }
 
 TEST(ToolsTogether, GoOnWithoutAToolWhosePoseIsNotUsable) {
