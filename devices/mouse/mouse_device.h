@@ -19,9 +19,9 @@ struct MouseLine {
   bool still = false;        ///< a bur stands still there
 };
 
-/// Parses `x y z qw qx qy qz` (metres; a quaternion of any length but zero; in W), which `still` may
-/// follow, or `release`.  Returns nothing, with the reason, for anything else: not seven finite
-/// numbers, a position beyond 10 m, or a zero quaternion.
+/// Parses `x y z qw qx qy qz` (metres; a quaternion of any length but zero; in W), after which
+/// `still` may stand, or `release`.  Returns nothing, with the reason, for anything else: not seven
+/// finite numbers, a position beyond 10 m, or a zero quaternion.
 std::optional<MouseLine> ParseMouseLine(std::string_view line, std::string& complaint);
 
 /// A mouse, or anything else that writes such lines to a file descriptor: each is a pose to which

@@ -62,8 +62,8 @@ class SolidChanges {
   struct Solid {
     const CutSolid* solid;
     const CutField* cut;
-    CutField whole;  ///< of the same solid, of which nothing is cut
-    std::map<std::uint32_t, Times> waiting{};            ///< by block
+    CutField whole;                            ///< of the same solid, of which nothing is cut
+    std::map<std::uint32_t, Times> waiting{};  ///< by block
     std::map<std::uint32_t, std::uint64_t> published{};  ///< by block: hash of what was published
   };
   struct Place {

@@ -88,6 +88,30 @@ test("a bur's pedal is told with the pose, also where the hand rests, and not be
   expect(new Set(told.map(({p}) => String(p))).size).toBe(1);
 });
 
+test("a wheel that was pushing when the tool was taken away does not zoom before it has paused", () => {
+  vi.stubGlobal("WheelEvent", {DOM_DELTA_LINE: 1});
+  tools.set("anna", {pose: kStart, touches: false, centroid: [0, 0, 0]});
+  let zooms = 0;
+  canvas.addEventListener("wheel", () => (zooms += 1));
+  const wheel = (): void => {
+    const roll = Object.assign(new Event("wheel", {cancelable: true}), {deltaY: 3, deltaMode: 0});
+    canvas.dispatchEvent(roll);
+    vi.advanceTimersByTime(400);
+  };
+  wheel();
+  expect(zooms).toBe(1);
+  take("anna");
+  wheel();
+  mouse.receive({...active("anna"), phase: "ended", reason: "time"});
+  zooms = 0;
+  wheel();
+  wheel();
+  expect(zooms).toBe(0);
+  vi.advanceTimersByTime(700);
+  wheel();
+  expect(zooms).toBe(1);
+});
+
 test("a hand moves nothing whose place is not known yet", () => {
   take("anna");
   press("ArrowRight");

@@ -50,10 +50,11 @@ export interface Body {
   readonly bur: Bur | undefined; // of a tool that cuts by turning
 }
 
-/// The cutting part of a tool: a curve turned about the tool's y axis, and all within a distance of it.
-/// Its tip is the tool's origin.
+/// The cutting part of a tool: a curve turned about the tool's y axis, and all within a distance of
+/// it. Its tip is the tool's origin.
 export interface Bur {
-  readonly curve: readonly (readonly [rho: number, y: number])[]; // convex, from the axis and back to it [m]
+  /// Convex, from the axis and back to it [m].
+  readonly curve: readonly (readonly [rho: number, y: number])[];
   readonly rounding: number; // that distance [m]
 }
 

@@ -3,8 +3,8 @@ import {add, norm, pointIn, type Pose, rotate, subtract, type Vec3} from "../bas
 
 /// How deep a bur is in what it cuts.
 
-/// Returns how far a ray goes within a closed mesh before it leaves it; 0: it begins outside.  In plain numbers,
-/// since a tooth has tens of thousands of triangles.
+/// Returns how far a ray goes within a closed mesh before it leaves it; 0: it begins outside.  In
+/// plain numbers, since a tooth has tens of thousands of triangles.
 /// @param along  unit
 export function withinM({vertices, triangles}: Triangles, from: Vec3, along: Vec3): number {
   const [dx, dy, dz] = along;

@@ -13,9 +13,9 @@ import {
   type Vec3,
 } from "../base/pose";
 
-/// The distance from a bur's surface to a tissue that an exercise guards, such as the pulp: between the bur's
-/// own profile, where the server has the bur, and the scene's regions of that tissue, as a score takes them
-/// (client/replayer/score/cut_measures.h).
+/// The distance from a bur's surface to a tissue that an exercise guards, such as the pulp: between
+/// the bur's own profile, where the server has the bur, and the scene's regions of that tissue, as
+/// a score takes them (client/replayer/score/cut_measures.h).
 
 /// The tissue's surface is taken at points no farther apart than this [m]: the distance is at most
 /// 0.01 mm too large.

@@ -57,7 +57,8 @@ export class PictureQuality {
     const least = (one: number): number => Math.min(one, this.share);
     return {canvas: least(canvas), share: least(share), ...rest};
   }
-  /// Whether the picture shows depth by shadows: what is too slow with the fewest pixels leaves them out.
+  /// Whether the picture shows depth by shadows: what is too slow with the fewest pixels leaves
+  /// them out.
   get cues(): boolean {
     return this.rungOf(this.rest) < kQualities.length - 1;
   }

@@ -42,7 +42,8 @@ export class Remains {
   }
 }
 
-/// Returns what burs have removed of each tissue of a scene, which may have several materials [mm³].
+/// Returns what burs have removed of each tissue of a scene, which may have several materials
+/// [mm³].
 export function removedByTissue({objects}: SceneModel, remains: Remains): Map<string, number> {
   const removed = new Map<string, number>();
   objects.forEach(({tissues}, object) => {

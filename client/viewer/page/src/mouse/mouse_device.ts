@@ -32,6 +32,9 @@ const kSessionWithinMs = 40_000;
 const kReachM = 0.02;
 const kWheelMetresPerPixel = 0.25; // relative to a drag of as many pixels
 
+/// A wheel that rests for so long has been let go.
+const kWheelPausesMs = 600;
+
 /// Effect of the keys: to the right, down and away [pixels].
 const kSteps: Readonly<Record<string, readonly [number, number, number]>> = {
   ArrowLeft: [-8, 0, 0],
@@ -56,6 +59,8 @@ export class MouseDevice {
   private patience: number | undefined;
   private readonly pointers = new Map<number, {x: number; y: number}>();
   private turning = false;
+  /// When the wheel pushed last.  Who goes on after the time was over is not zooming.
+  private pushedMs = -Infinity;
   /// A page that has just come, or come back, may have a tool already: that of its trial.
   private isNew = true;
   private expects = false; // the gateway chooses scene and tool
@@ -197,8 +202,12 @@ export class MouseDevice {
   }
 
   private wheel(event: WheelEvent): void {
-    if (this.hold !== "holding") return;
+    const nowMs = performance.now();
+    const isPushing = nowMs - this.pushedMs < kWheelPausesMs;
+    if (this.hold !== "holding" && !isPushing) return;
+    this.pushedMs = nowMs;
     event.preventDefault();
+    if (this.hold !== "holding") return event.stopImmediatePropagation();
     const pixels = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 30 * event.deltaY : event.deltaY;
     // Wheel away from the user: push.
     this.move((pose, view) =>

@@ -123,7 +123,8 @@ export class Exercises {
     return most_N > 0 ? most_N : undefined;
   }
 
-  /// What is to be spared in a scene: by the running trial's exercise, or by all that are done there.
+  /// What is to be spared in a scene: by the running trial's exercise, or by all that are done
+  /// there.
   guardsIn(scene: string): readonly Guard[] {
     const own = this.exercises.find(({name}) => this.runs && name === this.trial?.exercise);
     const here = this.exercises.filter((one) => this.events.served(one) === scene);

@@ -119,6 +119,11 @@ export class Picture {
     const bottoms = [...strips].map((one) => above.offsetTop + one.offsetTop + one.offsetHeight);
     const top = Math.max(0, ...bottoms);
     const height = Math.max(below.offsetTop - top, kLeastRoom * canvas.clientHeight);
+    // For the legend, which stands on them.
+    canvas.parentElement!.style.setProperty(
+      "--below",
+      `${canvas.clientHeight - below.offsetTop}px`,
+    );
     this.view.uncovered = {width: canvas.clientWidth, top, height};
     this.view.resize();
   }

@@ -10,8 +10,8 @@ import {element, setText} from "./elements";
 /// The figure is shown from this distance on.
 const kMostM = 2e-3;
 
-/// How far a bur is from the nearest tissue that is to be spared, and a frame round the picture where it
-/// comes too near.
+/// How far a bur is from the nearest tissue that is to be spared, and a frame round the picture
+/// where it comes too near.
 export class GuardSign {
   private readonly box = element("guard-box", HTMLDivElement);
   private readonly name = element("guard-name", HTMLElement);

@@ -15,10 +15,11 @@ import type {Ball} from "../model/first_sight";
 import {kNearEndBalls} from "../model/near_end";
 import {fullPicture} from "./full_picture";
 
-// What tells depth on a flat screen: cavities are darker, and the tool casts a shadow that meets it where
-// it touches.  Both are computed from the depth of the static objects, where they are copied into the
-// picture.  A cavity is what lies deeper than the mean of its surroundings (Luft et al., "Image
-// enhancement by unsharp masking the depth buffer", 2006); that mean is smooth, so few texels hold it.
+// What tells depth on a flat screen: cavities are darker, and the tool casts a shadow that meets it
+// where it touches.  Both are computed from the depth of the static objects, where they are copied
+// into the picture.  A cavity is what lies deeper than the mean of its surroundings (Luft et al.,
+// "Image enhancement by unsharp masking the depth buffer", 2006); that mean is smooth, so few
+// texels hold it.
 
 /// Direction to the lamp, in the eye's frame.
 export const kToLamp = new Vector3(0.5, 0.9, 0.8).normalize();
@@ -43,8 +44,8 @@ vec3 eyeOf(vec2 uv, float depth) {
 }
 float deep(vec3 eye) { return (-eye.z - uMiddle) / uSight; }`;
 
-/// What is behind everything does not count.  x: depth, y: the share of what counts, zw: where that lies
-/// from the texel's middle [texels], all times the share.
+/// What is behind everything does not count.  x: depth, y: the share of what counts, zw: where that
+/// lies from the texel's middle [texels], all times the share.
 const kGatherShader = `
 ${kDeep}
 uniform highp sampler2D uDepth;
@@ -77,8 +78,8 @@ void main() {
   gl_FragColor /= all;
 }`;
 
-/// The share of light at a place of the static objects.  Nested, since a software renderer runs on after a
-/// return.
+/// The share of light at a place of the static objects.  Nested, since a software renderer runs on
+/// after a return.
 export const kLightAt = `
 ${kDeep}
 uniform bool uCues;
@@ -100,8 +101,8 @@ float cavityAt(vec2 uv, vec3 eye) {
   }
   return smoothstep(0.0, 0.11, deeper) * smoothstep(0.3, 0.7, around.y);
 }
-/// Between two balls each, the nearest that the ray to the lamp passes (after Quilez, "Capsule - soft
-/// shadow"), and the nearest to the place itself.
+/// Between two balls each, the nearest that the ray to the lamp passes (after Quilez, "Capsule -
+/// soft shadow"), and the nearest to the place itself.
 float shadowAt(vec3 eye) {
   float shadow = 0.0;
   float contact = 0.0;

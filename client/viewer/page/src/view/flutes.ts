@@ -3,7 +3,8 @@ import type {IUniform, Material} from "three";
 import type {Bur} from "../model/bundle";
 import {extend} from "./extend";
 
-/// Draws the flutes of a bur's head, which blur while it turns: its mesh has none, as its profile is round.
+/// Draws the flutes of a bur's head, which blur while it turns: its mesh has none, as its profile
+/// is round.
 /// @param turns  1: it turns; 0: it stands still
 export function addFlutes(
   material: Material,
