@@ -27,6 +27,8 @@ constexpr const char* kStopped = "stopped";
 constexpr std::size_t kOwnWishes = 256;
 constexpr std::int64_t kStatistics_ns = 5'000'000'000;
 constexpr std::int64_t kCall_ns = 100'000'000;  // between looks for free seats of an exam
+/// A server's scenes are all heard if no other one was heard for so long.
+constexpr std::int64_t kScenesHeard_ns = 1'000'000'000;
 
 std::string RandomId() {
   std::random_device random;
@@ -117,6 +119,7 @@ Hub::Hub(boost::asio::io_context& io, const ViewerOptions& options)
   history_ = std::make_unique<HistoryDesk>(io, options.course, trials_->exercises());
   exams_ = std::make_unique<ExamRoom>(options_.course, class_room_->file(), class_room_->roster(),
                                       *trials_, exam_clock_.Now_s(SteadyNanoseconds()));
+  scenes_heard_ns_ = SteadyNanoseconds();
   exam_seats_ = {
       [this](std::int64_t person, const std::string& scene) { return FreeSeats(person, scene); },
       [here = CountPages()](std::int64_t person) { return here(person) > 0; }};
@@ -182,6 +185,9 @@ void Hub::Tick(std::int64_t now_ns) {
       },
       [&](const wire::SessionState& state) { mice_.OnSession(state, now_ns); },
       [&](const wire::SceneWhole& whole) { HearOfWhole(whole); });
+  if (std::exchange(scenes_heard_, feed_.scenes().size()) != feed_.scenes().size()) {
+    scenes_heard_ns_ = now_ns;
+  }
   mice_.Poll(now_ns);
   if (trials_) trials_->Poll(now_ns);
   if (exams_ && !feed_.server_lives()) exams_->EndTrials("the server has gone");
@@ -374,8 +380,12 @@ std::string Hub::SeatForPractice(const Exercise& exercise, const Viewer& viewer)
   return scene;
 }
 
+bool Hub::KnowsScenes() const {
+  return SteadyNanoseconds() - scenes_heard_ns_ > kScenesHeard_ns;
+}
+
 std::vector<std::string> Hub::FreeSeats(std::int64_t person, const std::string& scene) const {
-  if (!WhyAbsent(scene).empty()) return {};
+  if (!WhyAbsent(scene).empty() || !KnowsScenes()) return {};
   std::vector<std::string> seats = SeatsOf(scene, Scenes());
   if (seats.empty()) seats.push_back(scene);
   std::erase_if(seats, [&](const std::string& seat) {
@@ -402,9 +412,8 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   trials_->CheckMayBegin(person);
   std::string seat;
   if (exams_->Sits(person)) {
-    if (const std::string absent = WhyAbsent(exercise->scene_name); !absent.empty()) {
-      throw Error(absent);
-    }
+    const std::string absent = KnowsScenes() ? WhyAbsent(exercise->scene_name) : "";
+    if (!absent.empty()) throw Error(absent);
     const std::int64_t now_s = exam_clock_.Now_s(now_ns);
     exams_->TaskToBegin(person, name, now_s);
     seat = exams_->SeatToBegin(person, now_s, exam_seats_);

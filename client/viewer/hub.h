@@ -141,6 +141,8 @@ class Hub {
   /// Returns the seat of a trial that is no exam's.  Throws Error, worded for the person, if they
   /// cannot begin there.
   std::string SeatForPractice(const Exercise& exercise, const Viewer& viewer) const;
+  /// Returns whether all scenes of the server have been heard; just after a start some have not.
+  bool KnowsScenes() const;
   /// Returns the seats of a scene in which a candidate of the exam may begin now, or the scene
   /// itself if it has no seats; first the one in which they worked last, then their own.
   std::vector<std::string> FreeSeats(std::int64_t person, const std::string& scene) const;
@@ -167,6 +169,8 @@ class Hub {
   std::unique_ptr<ExamRoom> exams_;
   ExamTurns::Seats exam_seats_;
   std::int64_t called_ns_ = 0;  // when seats of an exam were given last
+  std::size_t scenes_heard_ = 0;
+  std::int64_t scenes_heard_ns_ = 0;  // when that number last changed, or this began
   bool class_changed_ = false;
   std::map<std::int64_t, TrialRoom::News> newest_trials_;  // by person
   Gate gate_;
