@@ -61,8 +61,8 @@ struct StepBounds {
 /// clear those of a report in each step takes a twentieth of it between leaves.
 struct ActiveRow {
   ContactId id;
-  /// Number of the other tool that it touches (StepTogether); negative: an object.  If the row is in
-  /// that tool's model, `id` and `object_leaf` are, too.
+  /// Number of the other tool that it touches (StepTogether); negative: an object.  If the row is
+  /// in that tool's model, `id` and `object_leaf` are, too.
   std::int32_t tool;
   std::int32_t object_leaf;  ///< index in the forest of the leaf that it touches
   const Material* material;  ///< of the touched object; valid as long as the model

@@ -132,11 +132,11 @@ void Run(const Options& options) {
 
 void AddTogether(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  const CommandLine command =
-      app.AddCommand("together",
-                     "two tools that feel each other\n"
-                     "The scene's object is held by a second hand that stands still. Beside it, in "
-                     "turns: the same tool on the object at rest.");
+  const CommandLine command = app.AddCommand(
+      "together",
+      "two tools that feel each other\n"
+      "The scene's object is held by a second hand that stands still. Beside it, in\n"
+      "turns: the same tool on the object at rest.");
   command.Footer("Example: palpate-bench together --scene bunny-bunny");
   Add(command, "--scene", options->scene, "scene of one tool and one object").Required();
   AddPathSteps(command, options->steps);
