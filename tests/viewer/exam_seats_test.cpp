@@ -96,6 +96,7 @@ class Candidate {
     since_ns_ = 0;
   }
   void Hear() {
+    page_->Run(0.005);
     if (const auto mouse = page_->Next(kMouseHeard, 0.0)) {
       const CourseJson state = CourseJson::parse(mouse->payload);
       if (state["phase"] == "active" && since_ns_ == 0) since_ns_ = SteadyNanoseconds();
@@ -205,6 +206,16 @@ class ExamSeats : public testing::Test {
     return static_cast<int>(std::ranges::count_if(
         people_, [&](const auto& one) { return one->standing().phase == phase; }));
   }
+  /// Where everybody is, and why somebody was refused.
+  std::string Standings() const {
+    std::string all;
+    for (const auto& one : people_) {
+      all += fmt::format("task {}, {}", one->standing().task, one->standing().phase);
+      for (const std::string& reason : one->refusals()) all += "; " + reason;
+      all += '\n';
+    }
+    return all + gateway_->program().Output();
+  }
   /// The number of tasks that are done.
   int Done() const {
     int done = 0;
@@ -213,7 +224,8 @@ class ExamSeats : public testing::Test {
   }
   /// Kills the gateway while somebody works and somebody waits, and starts the next one.
   void Kill() {
-    ASSERT_TRUE(Eventually([&] { return Count("works") > 0 && Count("waits") > 0; }, 60.0));
+    ASSERT_TRUE(Eventually([&] { return Count("works") > 0 && Count("waits") > 0; }, 60.0))
+        << Standings();
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     port_ = 0;
     killed_ns_.push_back(WallClock_ns());
@@ -254,6 +266,7 @@ class ExamSeats : public testing::Test {
     for (const auto& [name, topic] : Summarise({file}).topics) {
       last_ns = std::max(last_ns, topic.last_ns);
     }
+    if (last_ns == 0) return 0.0;  // it was killed before the first pose
     const auto killed_ns = std::ranges::lower_bound(killed_ns_, last_ns - 1'000'000'000);
     return killed_ns == killed_ns_.end() ? -1.0 : 1e-9 * static_cast<double>(*killed_ns - last_ns);
   }

@@ -40,6 +40,8 @@ export class GuardSign {
     setText(this.name, () => say("figure.guard", {tissue: partWords(tissue)}));
     setText(this.distance, awayM < Infinity ? distance : say("figure.guard_far"));
     if (!isNear) return "";
-    return awayM > 0 ? say("guard.near", {tissue: partWords(tissue), distance}) : say("guard.opened", {tissue: partWords(tissue)});
+    return awayM > 0
+      ? say("guard.near", {tissue: partWords(tissue), distance})
+      : say("guard.opened", {tissue: partWords(tissue)});
   }
 }

@@ -23,7 +23,13 @@ export class TissueList {
       const removed = make("output");
       removed.ariaLive = "off";
       this.removed.set(name, removed);
-      return make("li", swatch, make("span", () => partWords(name)), " ", removed);
+      return make(
+        "li",
+        swatch,
+        make("span", () => partWords(name)),
+        " ",
+        removed,
+      );
     });
     this.list.replaceChildren(this.head, ...items);
     this.list.hidden = items.length < 2;
