@@ -665,9 +665,12 @@ bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
         });
         newest_.alive_s = now_s;
       }
+      std::set<std::int64_t> ending;  // first, because an end may read the exam anew
       for (const std::int64_t person : newest_.people) {
-        if (now_s < EndsFor_s(person, now_s) || !over_.insert(person).second) continue;
-        trials_.EndOf({person}, kTimeIsOver);
+        if (now_s >= EndsFor_s(person, now_s) && over_.insert(person).second) ending.insert(person);
+      }
+      if (!ending.empty()) {
+        trials_.EndOf(ending, kTimeIsOver);
         changed_ = true;
       }
     }
