@@ -308,10 +308,6 @@ void GiveUp(Party tools) {
   for (StepContext* tool : tools) GiveUp(*tool);
 }
 
-bool AreUnsolved(Party tools) {
-  return std::ranges::any_of(tools, &StepContext::IsUnsolved);
-}
-
 /// Reports what is felt between meshes if the tools have not arrived: what their contacts hold of
 /// the springs' pulls where they are (solve/README.md, "The wrench of a tool that lags").
 void Lag(Party tools) {

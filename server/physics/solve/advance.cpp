@@ -32,9 +32,6 @@ int Sum(Party tools, F f) {
   return sum;
 }
 
-bool AreUnsolved(Party tools) {
-  return std::ranges::any_of(tools, &StepContext::IsUnsolved);
-}
 bool QueriesAreSpent(Party tools) {
   return std::ranges::any_of(
       tools, [](const StepContext* tool) { return tool->buffers().meshes->queries.AreSpent(); });

@@ -241,6 +241,9 @@ using Party = std::span<StepContext* const>;
 inline StepContext& Lead(Party tools) {
   return *tools.front();
 }
+inline bool AreUnsolved(Party tools) {
+  return std::ranges::any_of(tools, &StepContext::IsUnsolved);
+}
 
 /// A row of a tool.
 struct ToolRow {
