@@ -69,7 +69,7 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   wire::FromText("simulated", request.device);
   request.leave_seal[0] = 9;  // bytes are given as their sum
   Put(dds::kSessionRequestTopic, request,
-      {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0});
+      {"hand", "5", "cube", "", "simulated", true, 32, 9, 32, 0, false});
 
   wire::LoopWhole made_whole{};
   wire::FromText("hand", made_whole.station);
