@@ -292,14 +292,19 @@ class Interrupts(unittest.TestCase):
     """Each in a Python of its own, which is sent SIGINT in the midst of a call that takes many seconds."""
 
     BEGIN = """
-import os, signal, threading
+import os, signal, threading, time
 import numpy, palpate
 from module_test import ball_on_block, wandering_path
 path = numpy.tile(wandering_path(1000, 5), (400, 1))
 paths = numpy.tile(path, (3, 1, 1))
 model = ball_on_block()
 proxy = palpate.Proxy(model, path[0])
-threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
+def interrupt():
+    until = time.process_time() + 0.5  # of computing, however busy the machine is
+    while time.process_time() < until:
+        time.sleep(0.01)
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=interrupt, daemon=True).start()
 try:
     CALL
     raise SystemExit("was not interrupted")
@@ -327,8 +332,9 @@ taken = ~numpy.isnan(steps.wrench[..., 0])
 assert steps.wrench.shape == (3, len(path), 6) and 0 < taken.sum() < taken.size
 assert (numpy.diff(taken.astype(int), axis=1) <= 0).all()
 assert (steps.faults[~taken] != 0).all() and (steps.contacts[~taken] == 0).all()
-same = palpate.Proxy(model, path[0]).steps(path[:taken[0].sum()])
-assert same.wrench.tobytes() == steps.wrench[0][taken[0]].tobytes()
+most = taken.sum(axis=1).argmax()
+same = palpate.Proxy(model, path[0]).steps(path[:taken[most].sum()])
+assert same.wrench.tobytes() == steps.wrench[most][taken[most]].tobytes()
 """)
 
 

@@ -112,7 +112,11 @@ bool Retract(MeshContact& contact, Touch& touch, int row, FrameRows& rows) {
   }
   if (!meshes.IsBall() || !TurnsRows(contact)) return false;
   const Vec3 along = SmoothNormal(meshes, touch.nodes, nearest, u);
-  if (along == u || (along - rows.normal(row)).norm() <= kTurned) return false;
+  const double off = std::abs(GapOfRow(contact, row, rows) - now);
+  if (along == u ||
+      ((along - rows.normal(row)).norm() <= kTurned && off <= meshes.margins.witness)) {
+    return false;
+  }
   const double asked = Asked(contact, touch.distance);
   contact.of_rows.asked[static_cast<std::size_t>(row)] = asked;
   const Vec3 lever = rows.lever(row);
@@ -190,43 +194,19 @@ Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept {
 
 double Turned(const MeshContact& contact, std::span<const int> active,
               const FrameRows& rows) noexcept {
-  if (active.empty()) return 0.0;
   const MeshPair& meshes = contact.meshes;
-  const Vec3& v = contact.motion.v;
-  // The ball touches along the direction of the nearest triangle.  This is a triangle that it
-  // touches, within the distance of a chord from its arc.
-  const double touching = meshes.margins.touching + 0.5 * v.squaredNorm() / meshes.a.radius;
-  double nearest = kInfinity;
-  Vec3 u = Vec3::Zero();
-  bool smooth = false;
-  for (NearPairs::Index k = 0; k < contact.near.size(); ++k) {
-    const NearPairs::Pair& near = contact.near[k];
-    const bool may_touch = contact.near.Left(k) <= touching;
-    if (!may_touch || near.split) continue;
-    const NodesOfPair nodes = contact.near.Nodes(k);
-    if (!nodes.AreTriangles()) continue;
-    const NearestPoints points = meshes.NearestAt(nodes, contact.motion.to);
-    if (!(points.squared > 0.0 && points.squared < nearest)) continue;
-    nearest = points.squared;
-    u = points.Direction();
-    smooth = SmoothNormal(contact.meshes, nodes, points, u) != u;
-  }
-  double least = kInfinity, most = 0.0;
-  const double as_near = std::sqrt(nearest) + meshes.margins.witness;
+  double most = 0.0;
   for (const int row : active) {
-    const Vec3 n = rows.normal(row);
-    least = std::min(least, (u - n).norm());
-    most = std::max(most, (CurvatureOf(contact, row) * v).norm());
-    // Of two equally near triangles, one may be smooth there and the other have a crease.
     const Touch* touch = contact.TouchOfRow(row);
-    if (touch == nullptr) continue;
-    const NearestPoints own = meshes.NearestAt(touch->nodes, contact.motion.to);
-    if (!(own.squared > 0.0 && own.Distance() <= as_near)) continue;
-    const Vec3 along = SmoothNormal(contact.meshes, touch->nodes, own, own.Direction());
-    least = std::min(least, (along - n).norm());
+    if (touch == nullptr || !(touch->distance > 0.0)) continue;
+    const NearestPoints nearest = meshes.NearestAt(touch->nodes, contact.motion.to);
+    const double apart = kWitnessRatio * GapOfRow(contact, row, rows) + meshes.margins.witness;
+    if (!(nearest.squared > 0.0) || nearest.Distance() - meshes.a.radius > apart) return kInfinity;
+    const Vec3 along = SmoothNormal(meshes, touch->nodes, nearest, nearest.Direction());
+    most = std::max({most, (along - rows.normal(row)).norm(),
+                     (CurvatureOf(contact, row) * contact.motion.v).norm()});
   }
-  // On a smooth surface, Retract has turned the rows.
-  return smooth || !(nearest < kInfinity) ? most : std::max(least, most);
+  return most;
 }
 
 }  // namespace palpate

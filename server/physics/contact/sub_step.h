@@ -252,8 +252,9 @@ int Release(MeshContact& contact, std::span<const int> active, FrameRows& rows) 
 /// Returns the derivative [1/m] of the normal of a ball's row by the ball's motion round the edge
 /// or corner that it touches, which the straight row neglects.  Zero for other rows.
 Mat3 CurvatureOf(const MeshContact& contact, int row) noexcept;
-/// Returns by how much the direction in which a ball touches at the candidate differs from those of
-/// the active rows, or a row of its curvature has turned along the motion [rad].
+/// Returns by how much, at most, an active row's direction differs from that in which its pair
+/// touches a ball at the candidate, or a row of its curvature has turned along the motion [rad];
+/// infinite if a pair is farther from the ball than its row says.
 double Turned(const MeshContact& contact, std::span<const int> active,
               const FrameRows& rows) noexcept;
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "server/physics/contact/sub_step.h"
 #include "server/physics/limits.h"
@@ -146,6 +147,13 @@ double MostTurned(const StepContext& context, const Optimum& optimum, double err
   return std::clamp(error / pull, limits::mesh::kSame, limits::mesh::kTurned);
 }
 
+/// Returns whether the candidate and the last that no contact held are short: the contacts at
+/// their beginning then hold the tools.
+bool Stands(Party tools) {
+  const bool stands = LengthOf(tools) <= Lead(tools).buffers().meshes->margins().touching;
+  return std::exchange(Lead(tools).outcome.stands, stands) && stands;
+}
+
 /// For tools that arrive, returns whether rows changed because they are not true for that place.
 bool Mend(Party tools) {
   StepContext& lead = Lead(tools);
@@ -158,9 +166,11 @@ bool Mend(Party tools) {
     // A ball's rows have the smooth surface's normals at the candidate, so the ball rests there,
     // even if facets lifted it as it went.  At a crease they have the normals of the beginning: the
     // ball has not arrived, and goes on round it.
-    lead.advance.arrived = All(tools, [](StepContext& tool, MeshContact& contact, FrameRows& rows) {
+    const auto are_true = [](StepContext& tool, MeshContact& contact, FrameRows& rows) {
       return Turned(contact, tool.advance.optimum.qp.ActiveRows(), rows) <= limits::mesh::kTurned;
-    });
+    };
+    const bool stands = Stands(tools);
+    lead.advance.arrived = All(tools, are_true) || stands;
     return false;
   }
   const auto relinearise = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
@@ -237,9 +247,7 @@ Next Settle(Party tools, bool goes_on) {
   if (goes_on && !QueriesAreSpent(tools) && !All(tools, may_rest)) return Next::kSolve;
   // The contacts of that place give the next sub-step its rows.  Two short steps in turn end the
   // search, if contacts of the beginning hold the tool; after one, a row at an edge may still turn.
-  const bool stands = LengthOf(tools) <= lead.buffers().meshes->margins().touching;
-  const bool arrived = stands && lead.outcome.stands;
-  lead.outcome.stands = stands;
+  const bool arrived = Stands(tools);
   for (StepContext* tool : tools) tool->advance.arrived = arrived;
   if (arrived && Sum(tools, release) != 0) {
     const double gain = GainOf(tools);

@@ -259,6 +259,7 @@ TEST(MeshContactHands, ArriveAsABallOnTerracesAndFacets) {
   const TriangleMesh bodies[] = {MakeTerraced(0.04, 5120, 3), MakeTerraced(0.04, 5120, 105),
                                  MakeBentPipe(0.012, 0.006, 0.12, 4.0),
                                  MakeBlock(60, 0.04, 0.02, Waves(0.004, 0.02))};
+  std::size_t moves_on = 0, judged = 0;
   for (const TriangleMesh& body : bodies) {
     Scene scene;
     scene.features.contact = ContactModel::kSurface;
@@ -268,11 +269,15 @@ TEST(MeshContactHands, ArriveAsABallOnTerracesAndFacets) {
       const std::vector<Pose> X_WH =
           MakeHand(scene, {.seed = seed, .speed = 0.08, .steps = 2000, .press_mm = 12.0});
       const test::ContactFigures figures = test::MeasureContact(
-          scene, X_WH, {.oracle_every = 20, .converge_every = 0, .hold_far = true});
+          scene, X_WH, {.oracle_every = 20, .converge_every = 5, .hold_far = true});
       EXPECT_EQ(BrokenLimits(figures, {.arrived_fraction = 0.99, .never_arrived = 0}), "")
           << &body - bodies << ", seed " << seed;
+      for (const double error : figures.arrived_error) moves_on += error > 0.02 ? 1 : 0;
+      judged += figures.arrived_error.size();
     }
   }
+  // One that has arrived stays, but where it begins to roll off an edge and hardly moves at first.
+  EXPECT_LE(moves_on, judged / 250);
 }
 
 TEST(MeshContactHands, FeelWhatHoldsThemWhileTheyLag) {
