@@ -40,6 +40,7 @@ nlohmann::json ValuesOf(const wire::SessionState& state) {
   out.push_back(std::to_string(state.start_sequence));
   PutDoubles(out, state.start_position_m, 7);
   out.push_back(static_cast<bool>(state.muted));
+  out.push_back(state.listeners);
   return out;
 }
 class OthersReadersTest : public testing::Test {

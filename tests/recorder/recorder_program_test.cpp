@@ -203,7 +203,8 @@ class CutTest : public RecorderProgramTest {
         std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station",
                                   Joined({"--device", "scripted", "--script", script, "--scene",
                                           "block", "--tool", bur, "--id", id, "--transport", "udp",
-                                          "--realtime", "off", "--domain", std::to_string(kDomain)},
+                                          "--realtime", "off", "--await-recorder", "--domain",
+                                          std::to_string(kDomain)},
                                          more));
     EXPECT_TRUE(hand->Says("session: ")) << hand->Output();
     return hand;
