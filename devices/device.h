@@ -62,9 +62,6 @@ inline DeviceInfo SheetWithoutForce(std::string model, double workspace_m) {
   return info;
 }
 
-/// The button while which a bur stands still (idl/haptics.idl).
-inline constexpr std::uint32_t kStillBurButton = 1u << 1;
-
 /// One reading of a device.
 struct DeviceSample {
   Pose X_WH;   ///< pose of the haptic tool (the handle) in the scene

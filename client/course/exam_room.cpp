@@ -675,8 +675,9 @@ bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
       }
     }
     if (const auto done = seals_.Take()) TakeSeal(*done);
-    SealNext(now_s);
+    // Marks first: trials that run must not wait until all that ended with another are sealed.
     seals_.Poll(now_s, now_ns);
+    SealNext(now_s);
     if (newest_.closed_s != 0 && AllSettled() && now_s >= retry_s_) {
       CompleteRoll();
       ScoreAll();

@@ -93,8 +93,8 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
               "let a real device render forces all the time, not only while its first button is "
               "pressed; simulated devices always do");
   app.AddFlag("--await-recorder", options.link.awaits_recorder,
-              "wait up to 3 s for a palpate-record before sending the first pose, so that the "
-              "recording is complete and can be verified");
+              "send no pose before a palpate-record reads the poses and the server's answers, so "
+              "that the recording is complete and can be verified");
   app.AddFlag(
       "--keep-scene", options.link.keeps_scene,
       "nobody can restore a cut scene, or set its bookmark, while this station has its tool: "

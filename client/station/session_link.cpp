@@ -24,7 +24,7 @@ constexpr std::int64_t kSettle_ns = 100'000'000;
 constexpr std::chrono::milliseconds kLastTaken{100};
 /// After this time without a match, the session is requested anew, under a new run.
 constexpr std::int64_t kMatchPatience_ns = 5 * kSecond_ns;
-/// Longest wait for a recorder: the server ends a session that gets no pose for 5 s.
+/// After this time without a recorder, it is said.
 constexpr std::int64_t kRecorderPatience_ns = 3 * kSecond_ns;
 constexpr std::int64_t kSilence_ns = kSecond_ns;
 constexpr std::int64_t kAskAgain_ns = 2 * kSecond_ns;
@@ -261,11 +261,15 @@ void SessionLink::PollMatching(std::int64_t now_ns) {
   }
   const int readers = path_->writer.matched_readers();
   if (!wrenches_ || readers == 0) return;
-  // Forces depend on all poses since the first: a recording without it cannot be verified.
-  if (options_.awaits_recorder && readers == 1) {
-    if (now_ns - phase_since_ns_ < kRecorderPatience_ns) return;
-    if (matched_since_ns_ == 0)
-      say_("no recorder was found within 3 s: the first poses are not recorded");
+  // Forces depend on all poses since the first: a recording without it, or without its answer,
+  // cannot be verified.  If the server ends the session meanwhile, another begins.
+  if (options_.awaits_recorder && matched_since_ns_ == 0 &&
+      (readers == 1 || state_->listeners < 2)) {
+    if (!recorder_missed_ && now_ns - phase_since_ns_ > kRecorderPatience_ns) {
+      say_("no recorder was found within 3 s: waiting for it");
+      recorder_missed_ = true;
+    }
+    return;
   }
   if (matched_since_ns_ == 0) matched_since_ns_ = now_ns;
   if (now_ns - matched_since_ns_ < kSettle_ns) return;

@@ -27,7 +27,7 @@ struct LinkOptions {
   dds::Network network;
   RealtimeOptions realtime;
   double patience_s = 10.0;  ///< longest wait for a server's first answer
-  /// Also waits up to 3 s for a recorder to read the poses before it sends any.
+  /// Sends no pose before a recorder reads the poses and the server's wrenches.
   bool awaits_recorder = false;
   bool keeps_scene = false;  ///< nobody may restore the scene while it has its session
 };
@@ -133,6 +133,7 @@ class SessionLink {
   int readers_made_ = 0;              // in this run
   bool silence_said_ = false;
   bool held_said_ = false;
+  bool recorder_missed_ = false;
   bool muted_ = false;
 };
 

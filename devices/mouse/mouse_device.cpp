@@ -9,6 +9,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include "common/bur_button.h"
 #include "common/error.h"
 #include "common/text/number_of.h"
 #include "devices/device_factory.h"

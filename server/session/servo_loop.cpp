@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/bur_button.h"
 #include "common/math/rotation.h"
 #include "common/realtime/steady_clock.h"
 
@@ -109,8 +110,9 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   if (given > 0) MergeCuts(pose.pose_sequence, given);
 
   Clear(answer);
-  state_.cut.spins = (pose.buttons & kStopBur) == 0;
+  state_.cut.spins = (pose.buttons & kStillBurButton) == 0;
   snapshot_.points = 0;
+  snapshot_.buttons = pose.buttons;
   answer.pose_sequence = pose.pose_sequence;
   answer.pose_time_ns = pose.sample_time_ns;
   answer.answer = ++answers_;

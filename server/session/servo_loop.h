@@ -16,9 +16,6 @@
 
 namespace palpate {
 
-/// The second button: while it is held, a bur does not spin.  (The first may enable forces.)
-inline constexpr std::uint32_t kStopBur = 1u << 1;
-
 /// Counters of the loop between two reports, for faults of poses and of steps.
 struct LoopCounters {
   Histogram step;  ///< from taking a pose to writing the answer [ns]
@@ -48,6 +45,7 @@ struct LoopSnapshot {
   Wrench wrench;  ///< as sent: on the hand, at the tool's centroid, in W
   std::uint32_t contacts = 0;
   std::uint32_t faults = kFaultNone;
+  std::uint32_t buttons = 0;
   bool has_pose = false;  ///< false until the first usable pose
   double step_s = 0.0;    ///< from taking the pose, without the copying of this snapshot
   /// The contacts that StepReport lists, each with the part of its force that is sent; none while

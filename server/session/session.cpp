@@ -48,6 +48,7 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
                           " ms: the station was held up, or the way from it is cut");
     return true;
   }
+  if (heard_ == 0 && std::exchange(listeners_told_, listeners_) != listeners_) return true;
   // Read before the start: of a start and a MakeWhole, the loop does the start first.
   const bool made_whole = whole_wanted_ && loop_.made_whole();
   if (phase_ == palpate_SESSION_ACTIVE && !start_seen_ && loop_.start_sequence() != former_start_) {

@@ -91,6 +91,11 @@ class Session {
   void HoldStart(bool hold) { start_is_held_ = hold; }
   bool start_is_held() const { return start_is_held_; }
 
+  /// Notes how many read its wrenches, which is told until its first pose: a station that must be
+  /// recorded sends none before.
+  void TellListeners(int listeners) { listeners_ = listeners; }
+  int listeners() const { return listeners_; }
+
   ServoLoop& loop() { return loop_; }
   /// Notes a pose that is not, or not yet, given to the loop, so that the station does not count as
   /// silent.  From any thread.  Real-time: wait-free.
@@ -133,6 +138,7 @@ class Session {
   bool start_seen_ = false;         // whether the loop has taken the start
   std::uint64_t former_start_ = 0;  // the loop's start before the scene was made whole
   bool start_is_held_ = false;
+  int listeners_ = 0, listeners_told_ = 0;
   bool whole_wanted_ = false;  // whether the loop still has to make the scene whole
   LoopSnapshot snapshot_;
   std::uint64_t wholes_ = 0;

@@ -474,6 +474,7 @@ void SessionTable::Publish(const Session& session) {
   wire::FromText(session.tool().tool, state.tool);
   wire::FromText(session.reason(), state.reason);
   const auto standing = standings_.find(session.station());
+  state.listeners = static_cast<std::uint32_t>(session.listeners());
   state.muted = standing != standings_.end() && standing->second.muted;
   state.start_depth_m = session.start_depth();
   wire::FromVec3(session.tool().model.reference(), state.tool_reference_m);

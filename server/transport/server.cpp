@@ -382,6 +382,7 @@ void Server::PublishToolState(Session& session) {
   state.step_us = 1e6 * snapshot.step_s;
   state.contacts = snapshot.contacts;
   state.faults = snapshot.faults;
+  state.buttons = snapshot.buttons;
   SetContactPoints(snapshot, state);
   tool_states_.Write(state);
 }

@@ -30,8 +30,9 @@ void StationLink::Update(std::int64_t now_ns, bool alone) {
         dds::Reader<wire::HapticPose>(loop_domain_, pose_topic_, dds::Qos::kLoop,
                                       [this](const wire::HapticPose& pose) { OnPose(pose); });
   }
-  if (open_.load(std::memory_order_relaxed)) return;
-  if (wrench_writer_.matched_readers() == 0) {
+  const int readers = wrench_writer_.matched_readers();
+  if (open_.load(std::memory_order_relaxed)) return session_->TellListeners(readers);
+  if (readers == 0) {
     matched_ns_ = 0;
   } else if (matched_ns_ == 0) {
     matched_ns_ = now_ns;
@@ -41,6 +42,8 @@ void StationLink::Update(std::int64_t now_ns, bool alone) {
 }
 
 void StationLink::OnPose(const wire::HapticPose& pose) noexcept {
+  // Forces depend on all poses that the loop takes: whoever records its answers needs the first.
+  if (!open_.load(std::memory_order_relaxed)) return session_->HearUnanswered();
   const std::int64_t begun_ns = SteadyNanoseconds();
   if (!budget_.Take(begun_ns, alone_.load(std::memory_order_relaxed))) {
     refused_.fetch_add(1, std::memory_order_relaxed);
@@ -56,9 +59,7 @@ void StationLink::OnPose(const wire::HapticPose& pose) noexcept {
 }
 
 void StationLink::Answer(const wire::HapticPose& pose) noexcept {
-  if (session_->loop().OnPose(pose, answer_) && open_.load(std::memory_order_relaxed)) {
-    wrench_writer_.Write(answer_);
-  }
+  if (session_->loop().OnPose(pose, answer_)) wrench_writer_.Write(answer_);
 }
 
 }  // namespace palpate

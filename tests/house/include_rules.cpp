@@ -163,8 +163,9 @@ struct Floors {
 const std::vector<Floors> kFloors = {
     {"common",
      {
-         {"common/error", "common/revision", "common/step_fault", "common/coupling_fault",
-          "common/step_tuning", "common/text", "common/math", "common/qp", "common/realtime"},
+         {"common/error", "common/bur_button", "common/revision", "common/step_fault",
+          "common/coupling_fault", "common/step_tuning", "common/text", "common/math", "common/qp",
+          "common/realtime"},
          {"common/files", "common/http", "common/mcap"},
          {"common/dds", "common/json", "common/metrics"},
          {"common/program", "common/recording"},

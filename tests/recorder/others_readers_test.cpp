@@ -40,6 +40,7 @@ nlohmann::json ValuesOf(const wire::SessionState& state) {
   out.push_back(std::to_string(state.start_sequence));
   PutDoubles(out, state.start_position_m, 7);
   out.push_back(static_cast<bool>(state.muted));
+  out.push_back(state.listeners);
   return out;
 }
 class OthersReadersTest : public testing::Test {
@@ -83,11 +84,12 @@ TEST_F(OthersReadersTest, FindEverySampleOfEveryTopicAsItWas) {
   tool.pose_sequence = 3;
   tool.step_us = 2.5;
   tool.points = 1;
+  tool.buttons = 2;
   tool.point[0].force_N[2] = -1.5;
   nlohmann::json values{"hand", "", "", "3"};
   for (int i = 0; i < 20; ++i) values.push_back(0.0);
   values.push_back(2.5);
-  for (const int value : {0, 0, 1, 0}) values.push_back(value);
+  for (const int value : {0, 0, 1, 2}) values.push_back(value);
   for (int i = 0; i < 16 * 6; ++i) values.push_back(i == 5 ? -1.5 : 0.0);
   Put(dds::kToolStateTopic, tool, values);
 

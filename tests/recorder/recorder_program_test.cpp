@@ -199,12 +199,12 @@ class CutTest : public RecorderProgramTest {
   static std::unique_ptr<Program> Hand(const std::string& id, const std::string& bur,
                                        const std::string& script,
                                        const std::vector<std::string>& more) {
-    auto hand =
-        std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station",
-                                  Joined({"--device", "scripted", "--script", script, "--scene",
-                                          "block", "--tool", bur, "--id", id, "--transport", "udp",
-                                          "--realtime", "off", "--domain", std::to_string(kDomain)},
-                                         more));
+    auto hand = std::make_unique<Program>(
+        PALPATE_BIN_DIR "/palpate-station",
+        Joined({"--device", "scripted", "--script", script, "--scene", "block", "--tool", bur,
+                "--id", id, "--transport", "udp", "--realtime", "off", "--await-recorder",
+                "--domain", std::to_string(kDomain)},
+               more));
     EXPECT_TRUE(hand->Says("session: ")) << hand->Output();
     return hand;
   }

@@ -178,6 +178,35 @@ TEST_F(ServerTest, AnswersEachPoseOfAStationBesideOneThatFloodsAndOfThatOneItsSh
   EXPECT_LT(heard, kRounds * kPerRound);
 }
 
+// Otherwise the recording of a station that begins on a busy host lacks its loop's first answers.
+TEST_F(ServerTest, GivesItsLoopNoPoseBeforeAnAnswerIsReadAndTellsHowManyRead) {
+  Station hasty(*this, "hasty", 1);
+  hasty.Ask("one");
+  int sent = 0;
+  ASSERT_TRUE(ServeUntil([&] {
+    if (hasty.poses.matched_readers() == 1) sent += hasty.poses.Write(hasty.hand.At(0.2)) ? 1 : 0;
+    return sent == 50;
+  }));
+  std::atomic<std::uint32_t> first = 0;
+  const dds::Reader<wire::Wrench> recorder(loop_, dds::WrenchTopic("hasty", 1), dds::Qos::kRecord,
+                                           [&](const wire::Wrench& wrench) {
+                                             std::uint32_t none = 0;
+                                             first.compare_exchange_strong(none, wrench.answer);
+                                           });
+  ASSERT_TRUE(SendUntilActive(hasty));
+  EXPECT_EQ(first, 1u);
+
+  Station patient(*this, "patient", 1);
+  patient.Ask("two", "left");
+  const auto told = [&](std::uint32_t listeners) {
+    return ServeUntil([&] { return patient.Ready() && patient.State().listeners == listeners; });
+  };
+  ASSERT_TRUE(told(1));
+  const dds::Reader<wire::Wrench> late(loop_, dds::WrenchTopic("patient", 1), dds::Qos::kRecord,
+                                       [](const wire::Wrench&) {});
+  EXPECT_TRUE(told(2));
+}
+
 TEST_F(ServerTest, ForgetsAStationThatItRefusedSomeSecondsAgo) {
   Station refused(*this, "refused", 1);
   refused.Ask("nowhere");

@@ -36,6 +36,7 @@ void FakeServer::Publish(wire::SessionPhase phase, const std::string& reason) {
   wire::FromText("sphere", state.tool);
   wire::FromText(reason, state.reason);
   state.muted = muted_;
+  state.listeners = static_cast<std::uint32_t>(listeners_);
   states_.Write(state);
 }
 
@@ -82,6 +83,10 @@ void FakeServer::Run() {
     if (held_ && !holds.load()) OnRequest(request_);
     if (has_session_ && muted_ != mutes_station) {
       muted_ = mutes_station;
+      Publish(palpate_SESSION_ACTIVE, "");
+    }
+    if (has_session_ && wrenches_.matched_readers() != listeners_) {
+      listeners_ = wrenches_.matched_readers();
       Publish(palpate_SESSION_ACTIVE, "");
     }
     const bool says_so = ends_session.exchange(false);

@@ -49,6 +49,7 @@ class FakeServer {
   wire::SessionRequest request_{};
   bool has_session_ = false;
   bool muted_ = false;
+  int listeners_ = 0;
   bool held_ = false;
   const std::uint64_t server_run_;
   std::string refusal_;

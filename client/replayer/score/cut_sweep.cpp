@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/bur_button.h"
 #include "common/dds/cdr_reader.h"
 #include "common/dds/topics.h"
 #include "common/dds/wire.h"
@@ -59,7 +60,7 @@ void CutSweep::HearOfLoop(const RecordedSample& sample) {
     // Twice, as the loop and the step do, for equal bits.
     for (int i = 0; i < 2; ++i) X_WH.q.coeffs() /= std::sqrt(X_WH.q.squaredNorm());
     const auto at = std::ranges::upper_bound(hands_, pose.pose_sequence, {}, &Hand::pose_sequence);
-    hands_.insert(at, {pose.pose_sequence, X_WH, (pose.buttons & kStopBur) == 0});
+    hands_.insert(at, {pose.pose_sequence, X_WH, (pose.buttons & kStillBurButton) == 0});
   } else if (sample.To(wrench)) {
     answers_.push_back(wrench);
     Advance(kWaiting);

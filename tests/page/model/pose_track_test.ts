@@ -81,6 +81,7 @@ test("what cannot be seen is the same, what can is not", () => {
   const touching = {...state, points: [{positionM: [0, 0, 0], forceN: [0, 1, 0]}] as const};
   expect(looksTheSame(touching, {...touching, points: [...touching.points]})).toBe(true);
   expect(looksTheSame(state, touching)).toBe(false);
+  expect(looksTheSame(state, {...state, buttons: 2})).toBe(false);
   expect(looksTheSame(undefined, undefined)).toBe(true);
   expect(looksTheSame(undefined, state)).toBe(false);
 });

@@ -36,6 +36,7 @@ test("what servers and stations say comes out as it went in", () => {
     forceN: [0.1, 0.2, 0.3],
     torqueNm: [0.4, 0.5, 0.6],
     points: [{positionM: [7, 8, 9], forceN: [-1, -2, -3]}],
+    buttons: 3,
   } as const;
   expect(toToolState(through("/palpate/tool_state", toolState(state)))).toEqual({
     ...state,

@@ -103,9 +103,9 @@ function between(a: ToolState, b: ToolState, t: number): ToolState {
 const kVisible = 1e-7;
 
 /// All values of a state that a picture shows.
-function numbersOf({haptic, graphic, forceN, torqueNm, points}: ToolState): number[] {
+function numbersOf({haptic, graphic, forceN, torqueNm, points, buttons}: ToolState): number[] {
   const contacts = points.flatMap((point) => [point.positionM, point.forceN]);
-  return [haptic.p, haptic.q, graphic.p, graphic.q, forceN, torqueNm, ...contacts].flat();
+  return [haptic.p, haptic.q, graphic.p, graphic.q, forceN, torqueNm, ...contacts, buttons].flat();
 }
 
 /// Returns whether both states give the same picture.

@@ -1,8 +1,9 @@
-import type {
-  LoopStatistics,
-  SessionState,
-  StationStatistics,
-  ToolState,
+import {
+  kStillBur,
+  type LoopStatistics,
+  type SessionState,
+  type StationStatistics,
+  type ToolState,
 } from "../protocol/messages";
 import {History} from "./history";
 import {norm} from "../base/pose";
@@ -126,4 +127,5 @@ const atRest = (state: ToolState): ToolState => ({
   torqueNm: [0, 0, 0],
   contacts: 0,
   points: [],
+  buttons: kStillBur,
 });

@@ -19,7 +19,7 @@ import type {SceneStore} from "./scene_store";
 export class ToolHold {
   readonly mouse: MouseDevice;
   private readonly button = onPress("take", () => this.takeOrRelease());
-  private readonly pedal = new PedalButton(() => this.showPedal());
+  private readonly pedal = new PedalButton(() => this.mouse.pedalled());
   private readonly toolPick = element("tool", HTMLSelectElement);
 
   /// @param mayTake  returns whether this page may take a tool
@@ -85,11 +85,6 @@ export class ToolHold {
     return hold === "holding" && burOf(this.scenes.model(scene), tool) !== undefined;
   }
 
-  private showPedal(): void {
-    this.mouse.pedalled();
-    this.picture.view.setTurning(this.mouse.tool, !this.holdsBur || this.pedal.turns);
-  }
-
   /// Shows the controls for taking a tool, or the hint, only if this page may.
   offer(may: boolean): void {
     for (const part of document.querySelectorAll<HTMLElement>(".of-mouse")) part.hidden = !may;
@@ -127,7 +122,7 @@ export class ToolHold {
     const help = (): string =>
       holdsBur ? say("list.sentences", {first: pedal(), second: how()}) : how();
     this.pedal.show(holdsBur);
-    this.showPedal();
+    this.mouse.pedalled();
     const asking = (): string => say("tool.asking");
     if (hold === "none" && message !== "") {
       const {scene} = this.choice;

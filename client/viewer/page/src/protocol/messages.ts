@@ -76,10 +76,14 @@ export const toToolState = message({
   torqueNm: vec3("torque_Nm"),
   stepUs: number("step_us"),
   contacts: number("contacts"),
+  buttons: number("buttons"),
   points: (fields): readonly ContactPoint[] =>
     list("point", toContactPoint)(fields).slice(0, number("points")(fields)),
 });
 export type ToolState = ReturnType<typeof toToolState>;
+/// Bit of its buttons while which a bur stands still.
+export const kStillBur = 2;
+export const burTurns = ({buttons}: ToolState): boolean => (buttons & kStillBur) === 0;
 
 export const toLoopStatistics = message({
   station: text("station"),

@@ -169,11 +169,6 @@ export class SceneView {
     this.lookAtAll();
   }
 
-  setTurning(name: string, turns: boolean): void {
-    this.tools.find((tool) => tool.name === name)?.setTurning(turns);
-    this.changed();
-  }
-
   /// Shows where a hand should move a tool, as a transparent tool; undefined: nowhere.
   setLead(name: string, pose: Pose | undefined): void {
     for (const tool of this.tools) tool.setLead(tool.name === name ? pose : undefined);

@@ -15,7 +15,7 @@ import {axisOf} from "../model/first_sight";
 import {angleBetween, norm, pointOf, type Pose, subtract, type Vec3} from "../base/pose";
 import {type NearEndBall, nearEndOf} from "../model/near_end";
 import {middleOfPush} from "../model/touched";
-import type {ToolState} from "../protocol/messages";
+import {burTurns, type ToolState} from "../protocol/messages";
 import {ForceMarks} from "./arrows";
 import {BodyMesh, place, type SurfaceCache} from "./body_mesh";
 import {Ghost, makeRim} from "./ghost";
@@ -113,8 +113,10 @@ export class ToolView {
   }
 
   /// @param radiusM  of the initial view
-  set({graphic, haptic, forceN, torqueNm, points}: ToolState, radiusM: number): void {
+  set(state: ToolState, radiusM: number): void {
+    const {graphic, haptic, forceN, torqueNm, points} = state;
     this.pose = graphic;
+    this.turning.value = burTurns(state) ? 1 : 0;
     place(this.body.group, graphic);
     place(this.ghost.group, haptic);
     const {centroid, radiusM: leverM} = this.body.body.geometry;
@@ -123,11 +125,6 @@ export class ToolView {
     this.ghost.setDistance(apartM + leverM * angleBetween(haptic.q, graphic.q));
     // Where the objects push: a long tool's centroid is often outside the picture.
     this.marks.set(middleOfPush(points) ?? centre, forceN, torqueNm, points, radiusM);
-  }
-
-  /// Shows whether it turns, if it is a bur.
-  setTurning(turns: boolean): void {
-    this.turning.value = turns ? 1 : 0;
   }
 
   /// Shows where the hand should move it; undefined: nowhere.
