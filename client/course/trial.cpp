@@ -358,7 +358,10 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
     return true;
   }
   const std::string& complaint = trial.recorder->complaint();
-  if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
+  if (trial.news.phase == "ending" && trial.began_ns == 0) {
+    trial.news.whole =
+        false;  // it was ended before it began, and a recorder that starts dies of that
+  } else if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
     trial.news.whole = false;
     trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);
     spdlog::error("{}: {}", NameOf(trial.news), Printable(trial.news.reason));

@@ -248,23 +248,22 @@ void SessionLink::MakeReader() {
 
 void SessionLink::PollMatching(std::int64_t now_ns) {
   if (server_restarted_ || IsOver(*state_)) return Ask(now_ns);
-  if (now_ns - phase_since_ns_ > kMatchPatience_ns) {
-    if (wrenches_ && wrenches_.matched_writers() == 0 &&
-        dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
+  const bool discovered = dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_));
+  if (!wrenches_ && discovered && !Try([this] { MakeReader(); }, now_ns)) return;
+  const int readers = path_->writer.matched_readers();
+  if (!wrenches_ || readers == 0) {
+    if (now_ns - phase_since_ns_ <= kMatchPatience_ns) return;
+    if (wrenches_ && wrenches_.matched_writers() == 0 && discovered) {
       throw Error(AnotherVersionIsThere(options_.domain));
     }
     say_("the server accepted 5 s ago and is not found in the loop's domain: asking again");
     return Ask(now_ns);
   }
-  if (!wrenches_ && dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_))) {
-    if (!Try([this] { MakeReader(); }, now_ns)) return;
-  }
-  const int readers = path_->writer.matched_readers();
-  if (!wrenches_ || readers == 0) return;
   // Forces depend on all poses since the first: a recording without it, or without its answer,
-  // cannot be verified.  If the server ends the session meanwhile, another begins.
+  // cannot be verified.
   if (options_.awaits_recorder && matched_since_ns_ == 0 &&
       (readers == 1 || state_->listeners < 2)) {
+    AskAgain(now_ns);  // the server ends a session of which it hears nothing
     if (!recorder_missed_ && now_ns - phase_since_ns_ > kRecorderPatience_ns) {
       say_("no recorder was found within 3 s: waiting for it");
       recorder_missed_ = true;

@@ -31,7 +31,8 @@ Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const S
       client_(client),
       loop_(tool_->model),
       start_workspace_(std::in_place, tool_->model),
-      heard_ns_(now_ns) {}
+      heard_ns_(now_ns),
+      asked_ns_(now_ns) {}
 
 bool Session::Update(std::int64_t now_ns, bool may_start) {
   if (ended()) return false;
@@ -41,14 +42,16 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
     heard_ = heard;
     heard_ns_ = now_ns;
   }
-  const std::int64_t patience_ns = heard_ == 0 ? kFirstPose_ns : silence_ns();
-  if (now_ns - heard_ns_ > patience_ns) {
+  if (now_ns - (heard_ == 0 ? asked_ns_ : heard_ns_) >
+      (heard_ == 0 ? kFirstPose_ns : silence_ns())) {
     End(heard_ == 0 ? "no pose came within 5 s of the request"
                     : "no pose came for more than " + std::to_string(silence_ns() / 1'000'000) +
                           " ms: the station was held up, or the way from it is cut");
     return true;
   }
   if (heard_ == 0 && std::exchange(listeners_told_, listeners_) != listeners_) return true;
+  // A poll after it was told: a recording then has it before it has the first force.
+  if (std::exchange(start_waits_, false)) loop_.Start(X_WG_start_);
   // Read before the start: of a start and a MakeWhole, the loop does the start first.
   const bool made_whole = whole_wanted_ && loop_.made_whole();
   if (phase_ == palpate_SESSION_ACTIVE && !start_seen_ && loop_.start_sequence() != former_start_) {
@@ -86,7 +89,7 @@ bool Session::TryStart(std::int64_t now_ns) {
     return news;
   }
   X_WG_start_ = start.X_WG;
-  loop_.Start(X_WG_start_);
+  start_waits_ = true;
   start_workspace_.reset();
   start_depth_ = start.depth;
   phase_ = palpate_SESSION_ACTIVE;
@@ -117,6 +120,7 @@ void Session::MakeWhole() {
   if (whole_wanted_ && loop_.was_given_nothing())
     return;  // another was requested before the loop could begin again
   whole_wanted_ = true;
+  start_waits_ = false;
   loop_.MakeWhole();
 }
 

@@ -51,8 +51,9 @@ struct SessionClient {
 /// is passed in, so that tests need no clock.
 class Session {
  public:
-  static constexpr std::int64_t kFirstPose_ns = 5'000'000'000;  ///< time for its first pose
-  static constexpr std::int64_t kSilence_ns = 100'000'000;      ///< longest pause between poses
+  /// Time for its first pose since its station asked for it last.
+  static constexpr std::int64_t kFirstPose_ns = 5'000'000'000;
+  static constexpr std::int64_t kSilence_ns = 100'000'000;  ///< longest pause between poses
   /// And of a mouse, whose hand feels nothing: as long as its station waits for an answer.  Twenty
   /// stations on two cores are often held up for more than 100 ms.
   static constexpr std::int64_t kMouseSilence_ns = 1'000'000'000;
@@ -72,6 +73,8 @@ class Session {
   std::int64_t tried_ns() const { return tried_ns_; }
   /// Returns the longest pause between its poses.
   std::int64_t silence_ns() const { return client_.below_arms ? kMouseSilence_ns : kSilence_ns; }
+  /// Notes that its station asks for it: one that waits for its recorder sends no pose yet.
+  void HearAsking(std::int64_t now_ns) { asked_ns_ = now_ns; }
   void End(std::string reason);
   /// Ends it at its own station's request.
   void Leave();
@@ -135,6 +138,7 @@ class Session {
   double start_depth_ = 0.0;
   Pose X_WG_start_;
   bool left_ = false;
+  bool start_waits_ = false;        // found, and told next; the loop has not been given it
   bool start_seen_ = false;         // whether the loop has taken the start
   std::uint64_t former_start_ = 0;  // the loop's start before the scene was made whole
   bool start_is_held_ = false;
@@ -144,7 +148,7 @@ class Session {
   std::uint64_t wholes_ = 0;
   std::atomic<std::uint64_t> unanswered_{0};
   std::uint64_t heard_ = 0;
-  std::int64_t heard_ns_;
+  std::int64_t heard_ns_, asked_ns_;
   std::int64_t tried_ns_ = 0;
   Pose X_WH_tried_;
 };

@@ -52,6 +52,7 @@ void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now
   if (held != held_.end() && IsSameRun(held->second.request, request)) {
     held->second.since_ns = now_ns;  // it still waits, and has been told so
   } else if (session != sessions_.end() && session->second->run() == request.run) {
+    session->second->HearAsking(now_ns);
     if (refusals_.Take(now_ns)) {
       Publish(*session->second);  // a repeated request gets the same answer again
     } else {

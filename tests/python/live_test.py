@@ -39,6 +39,12 @@ def eventually(condition, seconds=20):
     return True
 
 
+def pressed(hand, depth, wanted):
+    """Presses until the spring's force is as wanted: where a busy host makes answers late, it comes in again."""
+    eventually(lambda: abs(hand.move([0, TOUCH - depth, 0], 0.3).wanted_force[1] - wanted) < 0.02)
+    return hand.felt
+
+
 def script(text, *arguments):
     return subprocess.Popen([sys.executable, "-c", text, str(DOMAIN), *arguments], stdin=subprocess.PIPE,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -65,15 +71,15 @@ class Station(Served):
             self.assertIn("session: tool 'ball' of scene 'cube'", hand.news())
             hand.move([0, TOUCH + 0.001, 0], 0.2)
             numpy.testing.assert_array_equal(hand.felt.wanted_force, [0, 0, 0])
-            felt = hand.move([0, TOUCH - 0.002, 0], 0.3)
+            felt = pressed(hand, 0.002, 2)
             numpy.testing.assert_allclose(felt.wanted_force, [0, 2, 0], atol=0.02)
             numpy.testing.assert_allclose(felt.hand[:3], [0, TOUCH - 0.002, 0], atol=0)
             numpy.testing.assert_allclose(felt.tool[:3], [0, TOUCH, 0], atol=2e-5)
-            time.sleep(0.3)
-            numpy.testing.assert_allclose(hand.felt.force, [0, 2, 0], atol=0.02)
-            forces = [felt.wanted_force[1] for felt in
-                      hand.follow([[0, TOUCH - depth, 0] for depth in (0.002, 0.0015, 0.001, 0.0005, 0)])]
-            numpy.testing.assert_allclose(forces, [2, 1.5, 1, 0.5, 0], atol=0.02)
+            self.assertTrue(eventually(lambda: numpy.allclose(hand.felt.force, [0, 2, 0], atol=0.02)), hand.felt)
+            depths = (0.002, 0.0015, 0.001, 0.0005, 0)
+            self.assertTrue(eventually(lambda: numpy.allclose(
+                [felt.wanted_force[1] for felt in hand.follow([[0, TOUCH - depth, 0] for depth in depths])],
+                [2, 1.5, 1, 0.5, 0], atol=0.02)))
             self.assertEqual(hand.phase, "active")
         self.assertEqual(hand.phase, "closed")
         with self.assertRaisesRegex(palpate.Error, "closed"):
@@ -119,7 +125,7 @@ hand.close()
 
     def test_is_under_the_limiter_like_any(self):
         with opened(max_force=3) as hand:
-            felt = hand.move([0, TOUCH - 0.005, 0], 0.3)
+            felt = pressed(hand, 0.005, 5)
             self.assertAlmostEqual(felt.wanted_force[1], 5, delta=0.02)
             until = time.monotonic() + 5  # a busy host fades it for a while
             while abs(felt.force[1] - 3) > 0.02 and time.monotonic() < until:
@@ -219,10 +225,11 @@ hand.move([0, 0.045, 0], 60)
 class Session(Served):
     def test_hears_the_tools_and_every_wrench_of_a_station(self):
         with station(DOMAIN, "hand", "--loop"), live.Session(DOMAIN, transport="udp", wrenches=True) as session:
-            states = []
+            states, pressing = [], 0
             for state in session:
                 states.append(state)
-                if len(states) == 120:
+                pressing += numpy.linalg.norm(state["force_N"]) > 0.2  # later where a busy host holds it back
+                if len(states) >= 120 and pressing > 10 or len(states) == 2000:
                     break
             states = numpy.array(states)
             self.assertEqual(set(states["station"]), {b"hand"})

@@ -1,4 +1,5 @@
 // The recorder as a program, beside a real server and a real station.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -26,6 +27,7 @@
 #include "tests/recorder/others_readers.h"
 #include "tests/support/read_file.h"
 #include "tests/support/roudi.h"
+#include "tests/support/stall_witness.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {
@@ -223,33 +225,53 @@ struct SeveralBurs : CutTest {
 // the third cuts, and before the fourth.
 TEST_F(OneBur, IsRecordedSoThatWhatItCutsIsTheSameBitsAgain) {
   const std::string script = Script("groove.json", {{0.0, -2, 1.5}, {0.8, -2, 0.2}, {1.8, 1, 0.2}});
-  RecorderProgram recorder(file_, "udp");
-  ASSERT_TRUE(recorder.Ready()) << recorder.Output();
-  for (const std::string station : {"one", "two", "three", "four"}) {
-    if (station == "four") Ask("whole");
-    const auto hand = Hand(station, "bur", script, {"--for", "2"});
-    if (station == "three") Ask("whole");
-    ASSERT_EQ(hand->Exit(), 0) << hand->Output();
-  }
-  recorder.Signal(SIGINT);
-  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
-
   struct Groove {
-    double sum_N = 0.0, poses = 0.0;
+    double sum_N = 0.0, poses = 0.0, end_m = -1.0;
     double mean_N() const { return sum_N / poses; }
   };
   std::map<std::string, Groove> along;  // in the same place: a busy host sends fewer poses
   std::size_t blocks = 0;
-  RecordingReader reader({file_});
-  for (RecordedSample sample{}; reader.Next(sample);) {
-    wire::Wrench wrench{};
-    blocks += sample.type == RecordedType::kSolidBlock;
-    if (sample.type != RecordedType::kWrench || !sample.To(wrench)) continue;
-    if (std::abs(wrench.graphic_position_m[0] + 0.5e-3) > 1.2e-3) continue;
-    Groove& groove = along[dds::SessionOfTopic(*sample.topic)->first];
-    groove.sum_N += wire::ToWrench(wrench).force.norm();
-    groove.poses += 1.0;
-  }
+  double seconds = 0.0;
+  // Spoilt where a hand did not come to its groove's end, which it does in the time of 1800 poses.
+  ASSERT_TRUE(Shown([&](StallWitness& witness) {
+    std::filesystem::remove(file_);
+    Ask("whole");
+    RecorderProgram recorder(file_, "udp");
+    EXPECT_TRUE(recorder.Ready()) << recorder.Output();
+    seconds += 2.0;
+    for (const std::string station : {"one", "two", "three", "four"}) {
+      if (station == "four") Ask("whole");
+      const auto hand = Hand(station, "bur", script, {"--for", std::to_string(seconds)});
+      witness.Watch(hand->id());
+      if (station == "three") Ask("whole");
+      EXPECT_EQ(hand->Exit(), 0) << hand->Output();
+    }
+    recorder.Signal(SIGINT);
+    EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+
+    along.clear();
+    blocks = 0;
+    RecordingReader reader({file_});
+    for (RecordedSample sample{}; reader.Next(sample);) {
+      wire::HapticPose pose{};
+      wire::Wrench wrench{};
+      blocks += sample.type == RecordedType::kSolidBlock;
+      if (sample.To(pose)) {
+        double& end_m = along[dds::SessionOfTopic(*sample.topic)->first].end_m;
+        end_m = std::max(end_m, pose.position_m[0]);
+      }
+      if (!sample.To(wrench)) continue;
+      Groove& groove = along[dds::SessionOfTopic(*sample.topic)->first];
+      if (std::abs(wrench.graphic_position_m[0] + 0.5e-3) > 1.2e-3) continue;
+      groove.sum_N += wire::ToWrench(wrench).force.norm();
+      groove.poses += 1.0;
+    }
+    if (HasFailure()) return Attempt::kFailed;
+    const bool is_whole =
+        std::ranges::all_of(along, [](const auto& one) { return one.second.end_m > 0.99e-3; });
+    return is_whole && along.size() == 4 ? Attempt::kShown : Attempt::kSpoilt;
+  }));
+  if (IsSkipped()) return;
   EXPECT_GT(blocks, 20u);
   EXPECT_GT(along["one"].mean_N(), 0.015);
   EXPECT_LT(along["two"].mean_N(), 0.5 * along["one"].mean_N());  // it follows the groove
@@ -319,7 +341,7 @@ TEST_F(SeveralBurs, AreRecordedSoThatAllIsTheSameBitsAgain) {
   EXPECT_GT(splits.size(), 2u);
   const Verification verification = Verify(splits, {});
   EXPECT_TRUE(verification.good()) << ToText(verification);
-  EXPECT_EQ(verification.sessions.size(), 4u);
+  EXPECT_GE(verification.sessions.size(), 4u) << "more where a hand was held up and came again";
   std::size_t merged = 0;
   RecordingReader reader(splits);
   for (RecordedSample sample{}; reader.Next(sample);) {

@@ -119,6 +119,7 @@ TEST_F(SceneChangesTest, UndoneWhileTheToolIsAmongThemBringItOutAndItsForceBackF
   EXPECT_EQ(session.phase(), palpate_SESSION_ACTIVE);
   EXPECT_EQ(session.start_sequence(), 0u) << "of the start before";
   EXPECT_GT(session.start().p.z(), 0.95 * kBurRadius) << "on the block's face";
+  table_.Update(now_ += kMs);
   const double first = wire::ToVec3(Send("a", -kDeep).force_N).norm();
   table_.Update(now_ += kMs);
   EXPECT_EQ(session.start_sequence(), 1503u);

@@ -212,10 +212,10 @@ TEST_F(SessionTableTest, TellsOnceMoreFromWhichPoseAndPlaceForcesAreComputed) {
   wire::SessionState state = LastChange();
   EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);
   EXPECT_EQ(state.start_sequence, 0u) << "no pose has come since";
-  Pass(1, {"a"});
+  Pass(2, {"a"});
   state = LastChange();
   EXPECT_EQ(state.phase, palpate_SESSION_ACTIVE);
-  EXPECT_EQ(state.start_sequence, 2u);
+  EXPECT_EQ(state.start_sequence, 3u) << "a poll after the start was told";
   EXPECT_EQ(wire::ToVec3(state.start_position_m), Vec3(0, 0, 0.2));
   EXPECT_EQ(state.start_orientation_wxyz[0], 1.0);
   Pass(50, {"a"});

@@ -43,6 +43,23 @@ TEST_F(SessionTest, EndsWhereNoPoseComes) {
   EXPECT_FALSE(session_.Update(now_ += kMs));
 }
 
+TEST_F(SessionTest, WaitsForAStationThatStillAsks) {
+  session_.HearAsking(now_ += Session::kFirstPose_ns);
+  EXPECT_FALSE(session_.Update(now_ += Session::kFirstPose_ns));
+  Tick(0.1);
+  session_.HearAsking(now_ += Session::kSilence_ns);
+  EXPECT_TRUE(session_.Update(now_ += 1)) << "it has sent poses, and asking is none";
+  EXPECT_TRUE(session_.ended());
+}
+
+TEST_F(SessionTest, IsToldToStartBeforeTheFirstForce) {
+  EXPECT_TRUE(Tick(0.1));
+  EXPECT_EQ(session_.phase(), palpate_SESSION_ACTIVE);
+  EXPECT_EQ(Send(0.1).faults, kFaultNotStarted) << "who records has not heard of it yet";
+  session_.Update(now_ += kMs);
+  EXPECT_EQ(Send(0.1).faults, kFaultNone);
+}
+
 TEST_F(SessionTest, EndsWhereTheStationFallsSilent) {
   Tick(0.1);
   EXPECT_FALSE(session_.Update(now_ += Session::kSilence_ns));
@@ -77,6 +94,7 @@ TEST_F(SessionTest, StartsAShallowTouchOutsideTheObjectAndLetsTheForceIn) {
   EXPECT_TRUE(Tick(kTouch - 0.006));
   EXPECT_EQ(session_.phase(), palpate_SESSION_ACTIVE);
   EXPECT_NEAR(session_.start_depth(), 0.006, 1e-4);
+  session_.Update(now_ += kMs);
   double last = 0.0;
   wire::Wrench answer{};
   for (int i = 0; i < 250; ++i) {
@@ -105,6 +123,7 @@ TEST_F(SessionTest, GivesNoForceDeepInsideSaysTheDepthAndStartsOnceTheHandIsOut)
   EXPECT_EQ(session_.phase(), palpate_SESSION_ACTIVE);
   EXPECT_GT(z, kTouch - Session::kMaxStartDepth_m - 1e-3);
   EXPECT_EQ(session_.reason(), "");
+  session_.Update(now_ += kMs);
   EXPECT_EQ(Send(z).faults, kFaultNone);
 }
 

@@ -55,7 +55,8 @@ enum class Attempt {
 
 /// Makes an attempt, and repeats it only if it was spoilt and the witness observed a stall of
 /// `stall_ms` meanwhile.  A session that is lost while the machine let all processes run is a
-/// defect, and fails at once, so no defect is mistaken for a stall.
+/// defect, and fails at once, so no defect is mistaken for a stall.  Where the machine spoils all
+/// attempts nothing is shown: the test is skipped, with a message (testing::Test::IsSkipped).
 testing::AssertionResult Shown(const std::function<Attempt(StallWitness&)>& attempt,
                                double stall_ms = kStallThatEndsASession_ms);
 

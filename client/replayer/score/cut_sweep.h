@@ -59,6 +59,8 @@ class CutSweep {
   std::deque<Hand> hands_;                         ///< by sequence; not yet used
   std::deque<wire::Wrench> answers_;               ///< not yet used
   std::map<std::uint64_t, Pose> starts_;           ///< X_WG by the pose's sequence
+  std::optional<Pose> next_start_;                 ///< told, and its pose not yet
+  bool has_force_ = false;                         ///< in the last answer
   std::map<std::uint64_t, std::uint64_t> wholes_;  ///< poses by the numbers of the wholes
   std::uint64_t wholes_done_ = 0;                  ///< the last number
   std::map<SceneRun, CutLogFacts> logs_;

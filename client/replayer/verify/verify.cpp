@@ -7,7 +7,9 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -208,6 +210,7 @@ struct SessionFacts {
   std::string station, scene, tool;
   std::uint64_t run = 0, server_run = 0;
   std::map<std::uint64_t, Pose> starts;           ///< X_WG by the pose at which forces start
+  std::optional<Pose> last_start;                 ///< the recorder ended before its pose was told
   std::map<std::uint64_t, std::uint64_t> wholes;  ///< LoopWhole.pose_sequence by its number
   CutFacts cuts{};
 };
@@ -354,6 +357,10 @@ class SessionReplay : public CutSession {
                                      wrench.pose_sequence, unseen, between));
       return true;
     }
+    const bool had_force = std::exchange(has_force_, (wrench.faults & kFaultNotStarted) == 0);
+    if (has_force_ && !had_force && facts_.last_start && next_start_ == facts_.starts.end()) {
+      loop_.Start(*facts_.last_start);
+    }
     wire::Wrench computed;
     if (!Feed(end->second, computed)) return !verdict_.ends.empty();
     // Poses that remain never reached the server.
@@ -410,6 +417,7 @@ class SessionReplay : public CutSession {
   ServoLoop loop_;
   CutSide side_;
   bool closed_ = false, is_computed_ = false;
+  bool has_force_ = false;  // in the last recorded answer
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
   std::deque<std::pair<wire::Wrench, std::int64_t>> waiting_;
@@ -456,9 +464,12 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
       facts.scene = state.scene;
       facts.tool = state.tool;
       facts.server_run = state.server_run;
+      const Pose start = wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
       if (state.start_sequence != 0) {
-        facts.starts[state.start_sequence] =
-            wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
+        facts.starts[state.start_sequence] = start;
+        facts.last_start.reset();
+      } else if (state.phase == palpate_SESSION_ACTIVE) {
+        facts.last_start = start;
       }
     } else if (sample.To(whole)) {
       facts_of(whole.station, whole.run).wholes[whole.number] = whole.pose_sequence;

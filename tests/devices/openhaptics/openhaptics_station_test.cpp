@@ -92,16 +92,20 @@ class OpenHapticsStation : public testing::Test {
   }
   /// Presses until `so`.  Presses again only if the machine stalled and the limiter says that it
   /// holds back: where replies were late while the hand pressed, the energy stage has seen less
-  /// work than the contact stores, and gives back only what it has seen.
+  /// work than the contact stores, and gives back only what it has seen; or where the station was
+  /// held up for so long that the arm let go meanwhile.
   testing::AssertionResult PressUntil(double depth_mm, const std::function<bool()>& so) {
     return Shown(
         [&](StallWitness& witness) {
           witness.Watch(server_->id());
           witness.Watch(station_->id());
+          const std::size_t said = station_->Output().size();
           Press(depth_mm);
           const auto held_back = [this] { return ReadTrace(trace_).back().Limited("energy"); };
           if (Eventually(so, 2.0) || (!held_back() && Eventually(so))) return Attempt::kShown;
-          const bool spoilt = held_back();
+          const bool let_go =
+              station_->Output().find("the arm is ready", said) != std::string::npos;
+          const bool spoilt = held_back() || let_go;
           Press(-5.0);
           return spoilt ? Attempt::kSpoilt : Attempt::kFailed;
         },
@@ -141,6 +145,7 @@ TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
                                   std::abs(kTop_mm - arm_->position_mm[1] - 2.0 / 3.0) < 0.01;
                          }))
       << arm_->force_N << station_->Output();
+  if (IsSkipped()) return;
 
   const std::int64_t killed_ns = SteadyNanoseconds();
   server_->Signal(SIGKILL);
@@ -170,7 +175,8 @@ TEST_F(OpenHapticsStation, GivesForcesWithinTheUsersLimitWhileTheButtonIsHeldAnd
   For(1.0);
   EXPECT_EQ(arm_->most_force_N, 0.0);
   arm_->buttons = 1;
-  ASSERT_TRUE(Eventually([&] { return arm_->force_N > 0.45; })) << station_->Output();
+  ASSERT_TRUE(PressUntil(1.0, [&] { return arm_->force_N > 0.45; })) << station_->Output();
+  if (IsSkipped()) return;
   For(0.5);
   EXPECT_LE(arm_->most_force_N, 0.5) << "of the 0.67 N that the cube gives";
   arm_->buttons = 0;

@@ -1,5 +1,6 @@
 // End to end: a third-party driver in palpate-doctor, and in palpate-station at a palpate-server.
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -13,6 +14,7 @@
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
+#include "tests/support/stall_witness.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {
@@ -208,21 +210,34 @@ TEST(PluginStation, EndsWithOneAndTheReasonWhereTheFileIsNoDriver) {
   EXPECT_THAT(station.Output(), HasSubstr("build it as a shared object"));
 }
 
+/// Whether the doctor says this of a driver.  Spoilt where the machine held its loop up, which it
+/// says in place of what it would have found.
+testing::AssertionResult Finds(const std::vector<std::string>& words,
+                               const testing::Matcher<std::string>& finding) {
+  return Shown([&](StallWitness& witness) {
+    Program doctor = Doctor(words);
+    witness.Watch(doctor.id());
+    doctor.Exit(120.0);  // as fit as the machine is
+    if (finding.Matches(doctor.Output())) return Attempt::kShown;
+    std::printf("%s", doctor.Output().c_str());
+    return doctor.Output().find("the loop was held up") != std::string::npos ? Attempt::kSpoilt
+                                                                             : Attempt::kFailed;
+  });
+}
+
 TEST(Doctor, TriesADriverAndSeesThatItsHandleGivesWay) {
-  Program doctor = Doctor({PALPATE_VIRTUAL_ARM, "--push"});
-  doctor.Exit(120.0);  // as fit as the machine is
-  EXPECT_THAT(
-      doctor.Output(),
+  EXPECT_TRUE(Finds(
+      {PALPATE_VIRTUAL_ARM, "--push"},
       AllOf(HasSubstr("virtual arm"), HasSubstr("5 N, continuously 1.5 N; 0 N m; workspace 200"),
-            HasSubstr(" driver "), HasSubstr("ok       push"), HasSubstr("the handle moved")));
+            HasSubstr(" driver "), HasSubstr("ok       push"), HasSubstr("the handle moved"))));
 }
 
 TEST(Doctor, TakesNoDriverForFitThatIsSlowOrExchangesAxes) {
   for (const auto& [name, finding] :
        {std::pair{"slow", "fault    driver"}, std::pair{"exchanges", "fault    push"}}) {
-    Program doctor = Doctor({PALPATE_WRONG_DRIVER, "--device-name", name, "--push"});
-    EXPECT_EQ(doctor.Exit(60.0), 1);
-    EXPECT_THAT(doctor.Output(), HasSubstr(finding)) << name;
+    EXPECT_TRUE(Finds({PALPATE_WRONG_DRIVER, "--device-name", name, "--push"},
+                      AllOf(HasSubstr(finding), HasSubstr("verdict: not fit"))))
+        << name;
   }
 }
 
@@ -236,9 +251,9 @@ TEST(Doctor, NamesTheFunctionInWhichADriverCrashesAndStillGivesItsVerdict) {
 }
 
 TEST(Doctor, FindsWhatADriverDoesWrong) {
-  Program hangs = Doctor({PALPATE_WRONG_DRIVER, "--device-name", "hangs"});
-  EXPECT_EQ(hangs.Exit(60.0), 1);
-  EXPECT_THAT(hangs.Output(), HasSubstr("palpate_device_read did not return"));
+  EXPECT_TRUE(
+      Finds({PALPATE_WRONG_DRIVER, "--device-name", "hangs"},
+            AllOf(HasSubstr("fault    driver"), HasSubstr("palpate_device_read did not return"))));
   Program none = Doctor({PALPATE_DRIVER_WITHOUT_STOP});
   EXPECT_EQ(none.Exit(60.0), 1);
   EXPECT_THAT(none.Output(), AllOf(HasSubstr("has no palpate_device_stop"), HasSubstr("arm.md")));

@@ -43,6 +43,7 @@ struct Story {
   std::set<std::uint64_t> server_misses{};                ///< poses
   std::set<std::uint64_t> poses_lost{}, wrenches_lost{};  ///< to the recorder
   bool state_lost = false;
+  bool pose_untold = false;        ///< with which forces began: the recorder ended before
   std::uint64_t whole_before = 0;  ///< a pose; 0: never.  Forces begin again 20 poses later
   bool whole_lost = false;
 };
@@ -108,7 +109,8 @@ void Record(const Story& story, const std::string& file) {
     loop.OnPose(pose, wrench);
     if (!story.wrenches_lost.contains(i)) Add(writer, dds::WrenchTopic("hand", 9), wrench, now_ns);
   }
-  if (!story.state_lost) say_start(kStart, X_WG, static_cast<std::int64_t>(kPoses) * kMs);
+  const auto end_ns = static_cast<std::int64_t>(kPoses) * kMs;
+  if (!story.state_lost) say_start(story.pose_untold ? 0 : kStart, X_WG, end_ns);
   writer.Close("");
 }
 
@@ -211,6 +213,10 @@ TEST_F(VerifyTest, ComputesAgainWhatCanBeAndSaysWhereThatEnds) {
   };
   for (const auto& [what, story, verified, ends] :
        {Case{"nothing is lost", {}, kPoses, ""},
+        {"it ended before the pose with which forces began was told",
+         {.pose_untold = true},
+         kPoses,
+         ""},
         {"the server never had some", {.server_misses = {1, 2, 40, 41, 42, 250}}, kPoses - 6, ""},
         {"the recorder missed some",
          {.wrenches_lost = {1, 2, 5, 6, 100, 200, 201}},
