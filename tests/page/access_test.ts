@@ -8,7 +8,7 @@ import {expect} from "vitest";
 import type {AxeResults} from "axe-core";
 
 import {
-  atGateway,
+  atGatewayUnseen,
   chooseLanguage,
   gateway,
   giveTools,
@@ -35,7 +35,7 @@ const kProbed: TestScene = {
   tools: [{...kTestScene.tools[0]!, name: "probe", look: "probe"}],
 };
 
-atGateway(kTestScene, kProbed);
+atGatewayUnseen(kTestScene, kProbed);
 
 /// What axe has against the page as it is now, in every language, with where.
 async function violations(): Promise<string[]> {

@@ -119,7 +119,7 @@ test("the page shows the force in figures, words and picture, and draws only whe
 
 test("the panel says what becomes of the force at the arm, also when the server is silent", async () => {
   press(1);
-  await open({ownClock: true});
+  await open({unseen: true, ownClock: true});
   const say = (more: object): void =>
     gateway.send("/palpate/station_statistics", stationStatistics("hand", more));
   const row = (label: string): Promise<string> =>
@@ -245,7 +245,7 @@ test("a picture that the graphics card has lost comes back", async () => {
 
 test("a lost link is said, comes back by itself, and data flow again", async () => {
   press(1);
-  await open();
+  await open({unseen: true});
   await until(page, "data", ({stations}) => (stations.hand?.frames ?? 0) > 3);
   stopMoving();
   await gateway.stop();
@@ -331,7 +331,7 @@ test("a bur turns while its pedal is held; its depth is shown and, in practice a
   const guards = [{tissue: "core", within_mm: 1}];
   const exercise = {...kExercise, scene: "drilled", guards};
   gateway.retain("/palpate/exercises", {exercises: [exercise]});
-  await open({}, "?scene=drilled");
+  await open({unseen: true}, "?scene=drilled");
   await appears("#guard-box");
   expect(await isVisible("#pedal")).toBe(false);
   giveTools();
@@ -420,7 +420,7 @@ test("what burs cut is bookmarked, and brought back to how it stood then", async
 
 test("scenes are chosen, and remembered in the address", async () => {
   press(1);
-  await open();
+  await open({unseen: true});
   await page.selectOption("#scene", "cut");
   await until(page, "the other scene", ({scene}) => scene === "cut");
   expect(page.url()).toContain("scene=cut");
@@ -431,7 +431,7 @@ test("scenes are chosen, and remembered in the address", async () => {
 
 test("who has chosen nothing, or what nobody serves, sees the scene in which a tool moves", async () => {
   for (const query of ["", "?scene=typo"]) {
-    await open({}, query);
+    await open({unseen: true}, query);
     const idle = await until(page, "a scene", ({scene}) => scene !== "");
     expect(idle.scene).toBe("test-box"); // the first one
     moveInCut();
@@ -452,7 +452,7 @@ test("a student's view has force, what is touched, the scene's goal and a help, 
   press(2);
   const goal = {scene: "test-box", text: "Press gently", limit_N: 1};
   gateway.retain("/palpate/goal", goal);
-  await open({}, "?view=student");
+  await open({unseen: true}, "?view=student");
   await reads("#force", "2.00");
   await reads("#goal", /Press gently, at most 1 N/);
   expect(await text("#touched")).not.toBe("nothing");
@@ -508,7 +508,7 @@ test("spheres come on demand, level by level", async () => {
 });
 
 test("the mouse takes a tool, moves it, and gives it back", async () => {
-  await open();
+  await open({unseen: true});
   gateway.onPublish = ({op}) => {
     if (op !== "take") return;
     gateway.send("/palpate/mouse_state", {station: "mouse_1", phase: "", reason: ""});
@@ -544,7 +544,7 @@ test("the mouse takes a tool, moves it, and gives it back", async () => {
 
 test("who holds a tool is said, who may decide is offered it, and who is muted is told", async () => {
   press(2);
-  await open();
+  await open({unseen: true});
   await reads("#force", "2.00");
   await page.locator("#take").click();
   await reads("#hint", /'hand' holds the ball. It is free once/);
@@ -567,7 +567,7 @@ test("who holds a tool is said, who may decide is offered it, and who is muted i
 });
 
 test("a tool that leaves the picture is pointed to, and comes back", async () => {
-  await open();
+  await open({unseen: true});
   const pointer = page.locator("#tool-pointer");
   expect(await pointer.isVisible()).toBe(false);
   for (let i = 0; i < 12; i++) await page.keyboard.press("+");
@@ -579,7 +579,7 @@ test("a tool that leaves the picture is pointed to, and comes back", async () =>
 
 test("while a server compiles its first scene the page says so, and asks nobody for a tool", async () => {
   gateway.health = {scenes: [], compiling: {scene: "bunny", stage: "leaves", done: 0.43}};
-  await load({viewport: {width: 390, height: 844}});
+  await load({unseen: true, viewport: {width: 390, height: 844}});
   await reads("#banner", /compiles bunny for the first time: 43 %/);
   expect(await page.locator("#take").isDisabled()).toBe(true);
   await page.keyboard.press("m");
@@ -607,7 +607,7 @@ test("who has gone without a word holds a tool no more", async () => {
 });
 
 test("who gives a tool back may take it again at once", async () => {
-  await open();
+  await open({unseen: true});
   gateway.onPublish = ({op}) => {
     if (op !== "take") return;
     const here = {station: "mouse_1", scene: "test-box", tool: "ball"};
@@ -625,7 +625,7 @@ test("who gives a tool back may take it again at once", async () => {
 });
 
 test("a wish for a tool can be taken back, and its refusal is said in the gateway's words", async () => {
-  await open();
+  await open({unseen: true});
   await page.locator("#take").click();
   await reads("#take", "Cancel");
   await page.locator("#take").click();
@@ -640,7 +640,7 @@ test("a wish for a tool can be taken back, and its refusal is said in the gatewa
 
 test("a gateway that gives no tools is not asked for one", async () => {
   gateway.takesMessages = false;
-  await open();
+  await open({unseen: true});
   await vanishes("#take");
   await reads("#banner", "Nobody moves a tool. Start a station.");
   await page.keyboard.press("m");
@@ -654,7 +654,7 @@ test("a gateway that gives no tools is not asked for one", async () => {
 
 test("who is turned away is told so", async () => {
   gateway.turnsAway = true;
-  await open({ownClock: true}); // scenes come without a link
+  await open({unseen: true, ownClock: true}); // scenes come without a link
   const askAgain = (): Promise<void> => page.clock.runFor(4000);
   await askAgain();
   await reads("#banner", /refuses this page/);
@@ -730,7 +730,7 @@ test("light and dark are switched also where the browser keeps nothing", async (
 });
 
 test("a finger moves the tool on a phone", async () => {
-  await open({viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
+  await open({unseen: true, viewport: {width: 360, height: 640}, hasTouch: true, isMobile: true});
   giveTools();
   await page.locator("#take").tap();
   await until(page, "the tool", ({hold}) => hold === "holding");
@@ -758,7 +758,7 @@ test("nothing is cut off from phone to projector, nor jumps with the line above 
     [1280, 720],
     [1920, 1080],
   ] as const) {
-    await open({viewport: {width, height}});
+    await open({unseen: true, viewport: {width, height}});
     const outside = await page.evaluate(() => {
       const cut: string[] = [];
       for (const element of document.querySelectorAll("button, select, output, .sentence")) {
@@ -805,7 +805,7 @@ test("figures are not read out each time, and every key in the help does somethi
 
 test("light and dark follow the system, and the reader's choice outlives the visit", async () => {
   press(0);
-  await open({colorScheme: "dark"});
+  await open({unseen: true, colorScheme: "dark"});
   expect(await theme()).toBe("dark");
   await page.emulateMedia({colorScheme: "light"});
   await eventually("light", async () => (await theme()) === "light");
@@ -816,9 +816,9 @@ test("light and dark follow the system, and the reader's choice outlives the vis
 });
 
 test("teeth are numbered on demand, where there are any", async () => {
-  await open();
+  await open({unseen: true});
   expect(await isVisible("#numbers")).toBe(false);
-  await open({}, "?scene=teeth");
+  await open({unseen: true}, "?scene=teeth");
   await eventually("a button", () => page.locator("#numbers").isVisible());
   expect(await isVisible("#labels")).toBe(false);
   await page.keyboard.press("n");

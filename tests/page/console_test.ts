@@ -4,7 +4,7 @@ import {expect} from "vitest";
 
 import {
   appears,
-  atGateway,
+  atGatewayUnseen,
   browser,
   gateway,
   isVisible,
@@ -21,7 +21,7 @@ import {loopStatistics, pressed, sessionState} from "./support/fake_gateway";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
-atGateway(kTestScene);
+atGatewayUnseen(kTestScene);
 
 const tell = (station: string, phase: string, more: object = {}): void =>
   gateway.retain("/palpate/session_state", sessionState(station, phase, "test-box", "ball", more));

@@ -5,7 +5,7 @@ import {expect} from "vitest";
 
 import {
   appears,
-  atGateway,
+  atGatewayUnseen,
   chooseLanguage,
   gateway,
   open,
@@ -17,7 +17,7 @@ import {kClassHistory, kPersonHistory} from "./support/made_up_history";
 import {kTestScene} from "./support/scene_bytes";
 import {browserTest as test} from "./support/skip";
 
-atGateway(kTestScene);
+atGatewayUnseen(kTestScene);
 
 const press = (name: string): Promise<void> =>
   page.locator("#history-dialog").getByRole("button", {name, exact: true}).click();

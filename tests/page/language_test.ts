@@ -3,7 +3,7 @@
 import {expect} from "vitest";
 
 import {
-  atGateway,
+  atGatewayUnseen,
   chooseLanguage,
   gateway,
   giveTools,
@@ -23,7 +23,7 @@ import {browserTest as test} from "./support/skip";
 
 const kSeat = {...kTestScene, name: `${kTestScene.name}-1`};
 
-atGateway(kTestScene, kSeat);
+atGatewayUnseen(kTestScene, kSeat);
 
 /// All that the page says, hidden or not, without the figures, which change by themselves.
 const said = (): Promise<string[]> =>

@@ -7,7 +7,7 @@ import {afterAll, beforeAll, expect} from "vitest";
 
 import type {Browser, Page} from "playwright-core";
 
-import {eventually, kHasChromium, launch, readsOn, until} from "./support/browser";
+import {eventually, kHasChromium, launch, openWindow, readsOn, until} from "./support/browser";
 import {kCommon, kDomain, Program, startGateway, startHand, startServer} from "./support/programs";
 import {browserTest as test} from "./support/skip";
 
@@ -58,9 +58,9 @@ test("a recording is replayed to the page, which steers it, until the replayer i
   const replayer = run(new Program("palpate-replay", [lesson, "--stay", ...kDomain]));
   const {gateway, url} = await startGateway();
   run(gateway);
-  page = await browser.newPage({viewport: {width: 400, height: 600}});
+  page = await openWindow(browser, {viewport: {width: 400, height: 600}});
   await page.goto(url);
-  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   await page.locator("#scrub").waitFor({state: "visible"});
   expect(await text("#replay-name")).toBe("lesson.mcap");
   await reads("#replay-word", /^Replay, paused$/);

@@ -28,7 +28,7 @@ beforeAll(async () => {
   const [, token] = await gateway.says(/#(token=\w+)/);
   page = await openWindow(browser, {viewport: {width: 500, height: 500}});
   await page.goto(`${url}#${token}`);
-  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
 });
 afterAll(async () => {
   if (!kHasChromium) return;
@@ -62,7 +62,7 @@ test("a page that is loaded again goes on in its trial, and so does one that was
   await page.waitForTimeout(500);
   const before = await own();
   await page.reload();
-  await until(page, "the tool again", ({hold}) => hold === "holding", 10_000);
+  await until(page, "the tool again", ({hold}) => hold === "holding");
   await readsOn(page, "#trial-bar", /Go\./);
   expect((await own()).graphic.p[1]).toBeCloseTo(before.graphic.p[1], 4);
   await page.locator("#view").focus();
@@ -72,9 +72,9 @@ test("a page that is loaded again goes on in its trial, and so does one that was
   );
   const pids = browserProcesses();
   for (const pid of pids) process.kill(pid, "SIGSTOP");
-  await gateway.says(/rests: its page is missing[^]*rests: its page is missing/, 20_000);
+  await gateway.says(/rests: its page is missing[^]*rests: its page is missing/);
   for (const pid of pids) process.kill(pid, "SIGCONT");
-  await gateway.says(/goes on: its page is back[^]*goes on: its page is back/, 20_000);
+  await gateway.says(/goes on: its page is back[^]*goes on: its page is back/);
   expect((await probe(page)).hold).toBe("holding");
   await page.locator("#trial-bar").getByRole("button", {name: "Stop"}).click();
   await readsOn(page, "#trial-bar", /of 100|no score/);

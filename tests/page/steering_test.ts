@@ -3,7 +3,7 @@ import {afterEach, beforeEach, expect} from "vitest";
 
 import {
   appears,
-  atGateway,
+  atGatewayUnseen,
   browser,
   gateway,
   isVisible,
@@ -20,7 +20,7 @@ import {browserTest as test} from "./support/skip";
 
 let replay: FakeReplay;
 
-atGateway(kCuttable);
+atGatewayUnseen(kCuttable);
 beforeEach(() => {
   if (!browser) return;
   replay = new FakeReplay(gateway);
@@ -35,13 +35,10 @@ beforeEach(() => {
 });
 afterEach(() => replay?.die());
 
-/// Nobody judges the picture.
-const openLow = (options: WindowOptions = {}): Promise<void> => open(options, "?quality=low");
-
 /// The page once it shows the replay, and may steer it unless that is locked.
 async function openReplay(options: WindowOptions = {}): Promise<void> {
   replay.start();
-  await openLow(options);
+  await open(options);
   const maySteer = !replay.contents.locked && gateway.takesMessages && gateway.allowsSteering;
   await appears(maySteer ? "#scrub" : "#replay-sign");
 }
@@ -63,7 +60,7 @@ test("a replay is said to be one, with its recording's name, when that was, and 
 });
 
 test("nobody takes a tool of a replay, nor makes its scene whole, by button or key", async () => {
-  await openLow();
+  await open();
   await appears("#take");
   await appears("#whole");
   replay.start();

@@ -68,7 +68,7 @@ afterEach(() => closeWindows(browser));
 async function open(query = "", page?: Page): Promise<Page> {
   if (page) await page.goto(url + query);
   else page = await openPage(browser, url + query, kWindow);
-  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined, 60_000);
+  await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
   return page;
 }
 
@@ -82,12 +82,7 @@ describe("while a simulated hand feels the bunny", () => {
 
   test("the page shows the scene and a moving tool, and says how it goes", async () => {
     const page = await open();
-    const first = await until(
-      page,
-      "the hand",
-      ({stations}) => stations.hand !== undefined,
-      60_000,
-    );
+    const first = await until(page, "the hand", ({stations}) => stations.hand !== undefined);
     console.log(`first picture after ${first.firstPictureMs!.toFixed(0)} ms`);
     const before = await page.locator("#view").screenshot();
     const moved = await until(
@@ -96,7 +91,6 @@ describe("while a simulated hand feels the bunny", () => {
       ({stations, pictures}) =>
         norm(subtract(stations.hand!.graphic.p, first.stations.hand!.graphic.p)) > 0.005 &&
         pictures > first.pictures + 3,
-      60_000,
     );
     expect(moved.stations.hand!.poseSequence).toBeGreaterThan(first.stations.hand!.poseSequence);
     // The hand may rest for a moment where the first picture was taken.
@@ -123,8 +117,8 @@ const mouseOf = ({stations}: Probe): Probe["stations"][string] | undefined =>
 /// above the bunny.
 async function press(page: Page): Promise<void> {
   await page.locator("#take").click();
-  await until(page, "the tool", ({hold}) => hold === "holding", 60_000);
-  await until(page, "its station", (now) => mouseOf(now) !== undefined, 60_000);
+  await until(page, "the tool", ({hold}) => hold === "holding");
+  await until(page, "its station", (now) => mouseOf(now) !== undefined);
   const view = (await page.locator("#view").boundingBox())!;
   const x = view.x + view.width / 2;
   for (let stroke = 0; stroke < 3; stroke++) {
@@ -181,14 +175,13 @@ test("the mouse presses the bunny, and the page shows the force", async () => {
     await eventually(
       "the force",
       async () => Number(await page.locator("#force").innerText()) >= 0.5,
-      20_000,
     );
-    await readsOn(page, "#sentence", /^Contact, /, 20_000);
+    await readsOn(page, "#sentence", /^Contact, /);
     // A second one is refused, with who has it.
     await until(second, "the first one's tool", (now) => mouseOf(now) !== undefined);
     await second.locator("#take").click();
     try {
-      await second.locator("#hint.alarm").waitFor({timeout: 20_000});
+      await second.locator("#hint.alarm").waitFor();
     } catch (error) {
       await second.keyboard.press("Escape"); // the tool was free by now, and it has it
       throw error;

@@ -15,7 +15,7 @@ export default defineConfig({
   test: {
     include: ["**/*_test.ts"],
     fileParallelism: false,
-    testTimeout: 180_000,
-    hookTimeout: 120_000,
+    testTimeout: 300_000,
+    hookTimeout: 300_000,
   },
 });

@@ -222,7 +222,7 @@ async function main(): Promise<void> {
     .join(" ");
   const {scene} = options;
   const programs: Program[] = [];
-  const browser = await launch(0);
+  const browser = await launch(0, []);
   const rows: Row[] = [];
   try {
     const server = await startServer(scene);

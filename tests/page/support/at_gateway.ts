@@ -7,10 +7,9 @@ import {
   kHasChromium,
   launch,
   openPage,
-  openWindow,
+  type PageOptions,
   readsOn,
   until,
-  type WindowOptions,
 } from "./browser";
 import {FakeGateway} from "./fake_gateway";
 import {sceneBytes, type TestScene} from "./scene_bytes";
@@ -23,8 +22,15 @@ export let page: Page;
 let moving: NodeJS.Timeout | undefined;
 let sentMs = 0;
 
-const kWindow: WindowOptions = {viewport: {width: 800, height: 500}};
+const kWindow: PageOptions = {viewport: {width: 800, height: 500}};
+let isUnseen = false;
 let served = new Map<string, Uint8Array>();
+
+/// All of WebGL but the drawing itself.
+const drawNothing = (): void => {
+  for (const name of ["Arrays", "Elements", "ArraysInstanced", "ElementsInstanced"])
+    Object.assign(WebGL2RenderingContext.prototype, {[`draw${name}`]: () => {}});
+};
 
 /// @param scenes  that the gateway has
 export function atGateway(...scenes: TestScene[]): void {
@@ -49,9 +55,22 @@ export async function startGateway(): Promise<void> {
   gateway = await FakeGateway.start(served, gateway?.port);
 }
 
+/// Nobody judges the picture in this file's tests.
+export const atGatewayUnseen = (...scenes: TestScene[]): void => {
+  isUnseen = true;
+  atGateway(...scenes);
+};
+
+export interface OpenOptions extends PageOptions {
+  unseen?: boolean; // nobody judges the picture: its shaders would take half of the time
+}
+
 /// Opens the page at the gateway, without waiting for anything.
-export async function load(options: WindowOptions = {}, query = ""): Promise<void> {
-  page = await openPage(browser!, gateway.url + query, {...kWindow, ...options});
+export async function load(options: OpenOptions = {}, query = ""): Promise<void> {
+  const {unseen = isUnseen, before = "", ...others} = options;
+  const scripts = unseen ? `(${String(drawNothing)})();${before}` : before;
+  const opened = {...kWindow, ...others, before: scripts};
+  page = await openPage(browser!, gateway.url + query, opened);
 }
 
 export async function firstPicture(): Promise<void> {
@@ -60,17 +79,14 @@ export async function firstPicture(): Promise<void> {
   await until(page, "a first picture", ({firstPictureMs}) => firstPictureMs !== undefined);
 }
 
-export async function open(options: WindowOptions = {}, query = ""): Promise<void> {
+export async function open(options: OpenOptions = {}, query = ""): Promise<void> {
   await load(options, query);
   await firstPicture();
 }
 
-/// Opens the page in a new window, in which this script runs before the page's own.
-export async function openWith(script: (of: number) => void, of = 0, query = ""): Promise<void> {
-  page = await openWindow(browser!, kWindow);
-  await page.addInitScript(script, of);
-  await page.goto(gateway.url + query);
-}
+/// Opens the page, in which this script runs before the page's own, without waiting for anything.
+export const openWith = (script: (of: number) => void, of = 0, query = ""): Promise<void> =>
+  load({before: `(${String(script)})(${of})`}, query);
 
 export const text = (selector: string): Promise<string> => page.locator(selector).innerText();
 export const isVisible = (selector: string): Promise<boolean> => page.locator(selector).isVisible();

@@ -15,7 +15,7 @@ interface Parts {
 /// that change if it is left out, and over which nothing of the page lies.
 /// @param pose  where the tool is put, with the hand
 export const visiblePixels = (page: Page, pose: Pose): Promise<number> =>
-  page.evaluate((at) => {
+  page.evaluate(async (at) => {
     const {view, canvas} = (window.palpate as unknown as Parts).picture;
     // What the view keeps to itself, and this test must know.
     const own = view as unknown as {
@@ -39,6 +39,11 @@ export const visiblePixels = (page: Page, pose: Pose): Promise<number> =>
       gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
       return pixels;
     };
+    let ms: number | undefined;
+    while (
+      (view.render(performance.now()), (ms = view.settlesInMs(performance.now()))) !== undefined
+    )
+      await new Promise((resolve) => setTimeout(resolve, ms)); // the same view, drawn better
     const withEnd = draw();
     const {geometry} = tool.body.mesh;
     const all = geometry.index!;
@@ -85,7 +90,7 @@ export const visiblePixels = (page: Page, pose: Pose): Promise<number> =>
 
 /// Counts the pixels of the canvas that the scene's first tool makes darker where it is put, without itself.
 export const shadedPixels = (page: Page, pose: Pose): Promise<number> =>
-  page.evaluate((at) => {
+  page.evaluate(async (at) => {
     const {view} = (window.palpate as unknown as Parts).picture;
     const own = view as unknown as {
       renderer: {getContext(): WebGL2RenderingContext};
@@ -93,9 +98,17 @@ export const shadedPixels = (page: Page, pose: Pose): Promise<number> =>
     };
     const {name, groups} = own.tools[0]!;
     const gl = own.renderer.getContext();
-    const lightWith = (graphic: Pose): number[] => {
-      const still = {forceN: [0, 0, 0], torqueNm: [0, 0, 0], points: [], contacts: 0} as const;
+    const still = {forceN: [0, 0, 0], torqueNm: [0, 0, 0], points: [], contacts: 0} as const;
+    const put = (graphic: Pose): void =>
       view.setTool(name, {...still, haptic: graphic, graphic} as never);
+    put(at); // a view that is new looks at it
+    let ms: number | undefined;
+    while (
+      (view.render(performance.now()), (ms = view.settlesInMs(performance.now()))) !== undefined
+    )
+      await new Promise((resolve) => setTimeout(resolve, ms)); // the same view, drawn better
+    const lightWith = (graphic: Pose): number[] => {
+      put(graphic);
       for (const group of groups) group.visible = false;
       view.render(performance.now());
       const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
@@ -113,7 +126,7 @@ export const shadedPixels = (page: Page, pose: Pose): Promise<number> =>
         light.push(pixels[i]! + pixels[i + 1]! + pixels[i + 2]!);
       return light;
     };
-    const near = lightWith(at); // first: a view that is new looks at it
+    const near = lightWith(at);
     const far = lightWith({...at, p: [0, 10, 0]});
     groups[0]!.visible = true; // the tool itself; its ghosts and marks show on their own
     return near.filter((light, i) => light < far[i]! - 9).length;
