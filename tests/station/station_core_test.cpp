@@ -220,27 +220,6 @@ TEST(StationCore, RampsToZeroWhileItIsMutedWhoeverWantsForces) {
   EXPECT_EQ(bench.force(), 2.0);
 }
 
-TEST(StationCore, FadesToZeroWithinTwentyFiveMillisecondsOfTheServersDeath) {
-  Bench bench;
-  for (int i = 0; i < 400; ++i) bench.Tick(true);
-  double last = bench.force();
-  for (int ms = 1; ms <= 100; ++ms) {
-    bench.Tick(false);
-    EXPECT_LE(bench.force(), last);
-    EXPECT_GE(bench.force(), last - 0.16);  // smooth: the steepest part of the fade, 7.1 % a ms
-    if (ms <= 3) {
-      EXPECT_EQ(bench.force(), 2.0) << ms;
-    }
-    // The last reply came 0.05 ms after its tick.
-    if (ms >= 26) {
-      EXPECT_EQ(bench.force(), 0.0) << ms;
-    }
-    last = bench.force();
-  }
-  EXPECT_EQ(bench.core.limiter().counts().fades, 1u);
-  EXPECT_EQ(bench.device.applications, 500);  // the device is driven all the time
-}
-
 TEST(StationCore, AgesAReplyFromThePoseThatItAnswers) {
   Bench bench;
   for (int i = 0; i < 400; ++i) bench.Tick(true);

@@ -1,7 +1,5 @@
 // End to end: palpate-server, and palpate-station with the driver and a fake of the vendor's
 // library.  The library keeps what the arm's motors do in a file that the test reads.
-#include <cmath>
-#include <csignal>
 #include <cstdlib>
 #include <functional>
 #include <memory>
@@ -12,13 +10,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "common/realtime/steady_clock.h"
 #include "devices/openhaptics/hd_library.h"
 #include "tests/devices/openhaptics/fake_hd.h"
-#include "tests/link/silence.h"
 #include "tests/support/eventually.h"
 #include "tests/support/program.h"
-#include "tests/support/stall_witness.h"
 #include "tests/support/test_domain.h"
 
 namespace palpate::test {
@@ -27,9 +22,6 @@ namespace {
 using testing::HasSubstr;
 
 const std::string kDomain = std::to_string(OwnDomain());
-/// A touch cannot have been spoilt unless the machine stalled for longer than the age stage passes
-/// a reply unchanged.
-constexpr double kStallThatIsFelt_ms = 1e3 * AgeStage::kSilenceWhole_s;
 /// Height of the ball's centre when it rests on the scene's cube.
 constexpr double kTop_mm = 30.0;
 
@@ -51,7 +43,6 @@ class OpenHapticsStation : public testing::Test {
     server_.reset();
     munmap(arm_, sizeof(FakeArm));
     unlink(file_.c_str());
-    unlink(trace_.c_str());
   }
 
   void StartServer() {
@@ -65,7 +56,7 @@ class OpenHapticsStation : public testing::Test {
     station_ = std::make_unique<Program>(
         PALPATE_BIN_DIR "/palpate-station",
         Joined({"--device", "openhaptics", "--scene", "cube", "--id", "arm", "--no-table",
-                "--realtime", "off", "--transport", "udp", "--domain", kDomain, "--trace", trace_},
+                "--realtime", "off", "--transport", "udp", "--domain", kDomain},
                more));
     ASSERT_TRUE(station_->Says("session: tool", 60.0)) << station_->Output();
   }
@@ -90,78 +81,11 @@ class OpenHapticsStation : public testing::Test {
       For(0.003);
     }
   }
-  /// Presses until `so`.  Presses again only if the machine stalled and the limiter says that it
-  /// holds back: where replies were late while the hand pressed, the energy stage has seen less
-  /// work than the contact stores, and gives back only what it has seen.
-  testing::AssertionResult PressUntil(double depth_mm, const std::function<bool()>& so) {
-    return Shown(
-        [&](StallWitness& witness) {
-          witness.Watch(server_->id());
-          witness.Watch(station_->id());
-          Press(depth_mm);
-          const auto held_back = [this] { return ReadTrace(trace_).back().Limited("energy"); };
-          if (Eventually(so, 2.0) || (!held_back() && Eventually(so))) return Attempt::kShown;
-          const bool spoilt = held_back();
-          Press(-5.0);
-          return spoilt ? Attempt::kSpoilt : Attempt::kFailed;
-        },
-        kStallThatIsFelt_ms);
-  }
-  /// In the station's trace no tick after `time_ns` has force once no reply has come for as long as
-  /// the limiter allows.
-  void ExpectGoneAfter(std::int64_t time_ns) const {
-    const std::vector<TraceRow> rows = ReadTrace(trace_);
-    const std::vector<double> silence_ms = CountedSilence_ms(rows);
-    std::size_t silent = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].time_ns < time_ns || silence_ms[i] < kForceGone_ms) continue;
-      ++silent;
-      ASSERT_TRUE(rows[i].applied.force.isZero(0.0) && rows[i].applied.torque.isZero(0.0))
-          << rows[i].tick << ", after " << silence_ms[i] << " ms";
-    }
-    EXPECT_GT(silent, 100u);
-  }
-
   const std::string file_ = testing::TempDir() + "palpate-fake-arm-" + std::to_string(getpid());
-  const std::string trace_ = file_ + ".csv";
   FakeArm* arm_ = nullptr;
   std::unique_ptr<Program> server_;
   std::unique_ptr<Program> station_;
 };
-
-TEST_F(OpenHapticsStation, FeelsTheCubeAndLosesTheForceWithItsServer) {
-  StartServer();
-  StartStation({"--enable-forces"});
-  For(0.3);
-  EXPECT_EQ(arm_->most_force_N, 0.0) << "in the air";
-  // A hand of 2 N/mm against a coupling of 1 N/mm gives two thirds of a newton and of a millimetre.
-  ASSERT_TRUE(PressUntil(1.0,
-                         [&] {
-                           return std::abs(arm_->force_N - 2.0 / 3.0) < 0.01 &&
-                                  std::abs(kTop_mm - arm_->position_mm[1] - 2.0 / 3.0) < 0.01;
-                         }))
-      << arm_->force_N << station_->Output();
-
-  const std::int64_t killed_ns = SteadyNanoseconds();
-  server_->Signal(SIGKILL);
-  EXPECT_EQ(server_->Exit(), -SIGKILL);
-  server_.reset();
-  const std::uint64_t ticks = arm_->ticks;
-  For(1.0);
-  EXPECT_EQ(arm_->force_N, 0.0);
-  ExpectGoneAfter(killed_ns);
-  EXPECT_GT(arm_->ticks, ticks) << "the arm ticks on";
-
-  StartServer();
-  EXPECT_TRUE(Eventually([&] { return arm_->force_N > 0.6; })) << station_->Output();
-  station_->Signal(SIGINT);
-  EXPECT_EQ(station_->Exit(), 0) << station_->Output();
-  EXPECT_EQ(arm_->force_N, 0.0) << "it leaves no force behind";
-  EXPECT_THAT(station_->Output(), HasSubstr("Fake arm (serial 0042"));
-  EXPECT_THAT(station_->Output(), HasSubstr("limits: 8.50 N and 0.188 N m, once the motors are "
-                                            "warm 1.40 N and 0.048 N m"));
-  EXPECT_THAT(station_->Output(), HasSubstr("the arm is ready"));
-}
 
 TEST_F(OpenHapticsStation, GivesForcesWithinTheUsersLimitWhileTheButtonIsHeldAndNoLonger) {
   StartServer();
@@ -178,16 +102,6 @@ TEST_F(OpenHapticsStation, GivesForcesWithinTheUsersLimitWhileTheButtonIsHeldAnd
   EXPECT_THAT(station_->Output(), HasSubstr("while the first button is held"));
   EXPECT_THAT(station_->Output(),
               HasSubstr("limits: 0.50 N and 0.011 N m, once the motors are warm 0.50 N and 0.011"));
-}
-
-TEST_F(OpenHapticsStation, EndsWithOneAndTheReasonWhereTheArmDoesNotOpen) {
-  StartServer();
-  station_ = std::make_unique<Program>(
-      PALPATE_BIN_DIR "/palpate-station",
-      std::vector<std::string>{"--device", "openhaptics", "--scene", "cube", "--id", "arm",
-                               "--transport", "udp", "--device-name", "left", "--domain", kDomain});
-  EXPECT_EQ(station_->Exit(), 1);
-  EXPECT_THAT(station_->Output(), HasSubstr("tried left"));
 }
 
 }  // namespace
