@@ -62,7 +62,7 @@ std::string AboutLevelTable() {
       "  volume         of all balls together, of the solid's\n"
       "  {}.\n"
       "  A coarser shape that may be felt is a tree of its own with fewer \"leaves\" "
-      "(palpate-bench levels).\n",
+      "(palpate-bench tree).\n",
       kWhatLevelsAre);
 }
 

@@ -52,12 +52,10 @@ void AddClosedLoop(const CommandLine& app);
 void AddCut(const CommandLine& app);
 void AddCycle(const CommandLine& app);
 void AddHands(const CommandLine& app);
-void AddLevels(const CommandLine& app);
 /// `domain` is read when the command runs.
 void AddLoop(const CommandLine& app, const int& domain);
 void AddPareto(const CommandLine& app);
 void AddPeers(const CommandLine& app);
-void AddProbe(const CommandLine& app);
 void AddQp(const CommandLine& app);
 void AddStability(const CommandLine& app);
 void AddTogether(const CommandLine& app);

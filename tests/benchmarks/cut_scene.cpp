@@ -195,36 +195,6 @@ Swept SweptOf(const HapticModel& model, const Cut& cut, const CutSolid& solid) {
   return swept;
 }
 
-/// Writes the solids before the cut, and the straight segments of the bur's path in each: a pose [x
-/// y z w x y z] and a step.  A convex body that moves like this sweeps the hull of its two ends.
-void WriteSweep(const Scene& scene, const HapticModel& model, const Cut& cut,
-                const std::string& file) {
-  const BurProfile& bur = *scene.tools.front().bur;
-  std::vector<std::vector<double>> curve;
-  for (const auto& [rho, z] : bur.curve) curve.push_back({rho, z});
-  Json solids = Json::array();
-  for (const CutSolid& solid : model.solids()) {
-    std::vector<std::vector<double>> vertices, way;
-    std::vector<std::vector<int>> triangles;
-    const TriangleMesh& mesh = scene.objects[solid.object].mesh;
-    for (const Vec3& v : mesh.vertices) vertices.push_back({v.x(), v.y(), v.z()});
-    for (const auto& [a, b, c] : mesh.triangles) {
-      triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
-    }
-    for (const Piece& piece : WayOf(model, cut, solid, solid.grid->field().lattice().spacing)) {
-      const Pose X = piece.X_TB.Inverse();
-      const Vec3 step = X.q * piece.step_T;
-      way.push_back({X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z(), step.x(),
-                     step.y(), step.z()});
-    }
-    solids.push_back({{"vertices_m", vertices}, {"triangles", triangles}, {"way", way}});
-  }
-  WriteJson(file, {{"scene", scene.name},
-                   {"bur", Json{{"curve_m", curve}, {"rounding_m", bur.rounding}}},
-                   {"solids", solids},
-                   {"cut_m3", cut.volume}});
-}
-
 /// Measures the distance between the remaining surface and the exact sweep, for surface made by a
 /// cut, at its crossings with the lattice [m].
 std::vector<double> SurfaceErrors(const HapticModel& model, const Cut& cut, std::size_t number) {
@@ -349,7 +319,6 @@ Figures Measure(const Scene& scene, const std::vector<Pose>& hand, const CutScen
   Progress("the hand");
   const Cut cut = Run(model, hand, options.repeats);
   if (!options.surface.empty()) WriteSurface(model, cut, options.surface);
-  if (!options.sweep.empty()) WriteSweep(scene, model, cut, options.sweep);
   Figures figures{.us = PercentilesOf(cut.us), .volume = cut.volume, .jump = cut.jump};
   figures.unsolved = cut.unsolved;
   Progress("the exact sweep");

@@ -6,7 +6,7 @@
 namespace palpate::bench {
 
 struct CutSceneOptions {
-  std::string scene, poses, json, surface, sweep;
+  std::string scene, poses, json, surface;
   std::vector<std::string> burs;  ///< ISO 6360 numbers, instead of the scene's own burs
   int repeats = 3;
 };

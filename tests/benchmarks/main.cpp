@@ -28,11 +28,9 @@ int Main(int argc, char** argv) {
   AddCut(app);
   AddCycle(app);
   AddHands(app);
-  AddLevels(app);
   AddLoop(app, domain);
   AddPareto(app);
   AddPeers(app);
-  AddProbe(app);
   AddQp(app);
   AddStability(app);
   AddTogether(app);

@@ -11,8 +11,6 @@ of the file determine the picture:
   accuracy.csv      from tests/benchmarks/publish, or palpate-bench accuracy --json
   errors.csv        from palpate-bench accuracy --errors: errors over time
                     (Figs. 2.17 and 2.18 of the chapter)
-  levels.json       from palpate-bench levels --json: time and error by level of
-                    detail (Fig. 2.23c)
   closed-loop.json  from palpate-bench closed-loop --out DIR --json: stiffness,
                     energy and limit cycle by delay
 
@@ -256,21 +254,6 @@ def errors_over_time(rows):
     return picture
 
 
-def levels(run):
-    picture = Picture(2)
-    plot = picture.plot(f"Cost by level of detail: {run['scene']}, {contact(run['contact'])}", "Leaves of each tree",
-                        "Step, best [µs]", "xy")
-    for name, key in (("median", "p50"), ("p99.9", "p999")):
-        plot.series(name, [(level["leaves"], level["best_step_us"][key]) for level in run["levels"]])
-    plot.line("chapter, detection", "--", y=1000)
-    plot.done()
-    plot = picture.plot("Force against the finest level", "Leaves of each tree", "Mean difference, of its mean", "xy")
-    plot.series("force", [(level["leaves"], level["against_finest"]["force"]) for level in run["levels"][:-1]])
-    plot.noticed()
-    plot.done()
-    return picture
-
-
 def closed_loop(run):
     picture = Picture(4, 2.4)
     at = f" at {run['stiffness_N_per_m']:g} N/m"
@@ -308,9 +291,8 @@ def picture_of(file):
                 return peers(rows) if alone else draw(rows)
     elif file.suffix == ".json":
         run = json.loads(file.read_text(encoding="utf-8"))
-        for key, draw in (("levels", levels), ("z_width", closed_loop)):
-            if key in run:
-                return draw(run)
+        if "z_width" in run:
+            return closed_loop(run)
         if "object" in run:
             return accuracy([{"object": run["object"], "contact": run["contact"], "spheres": row["spheres"],
                               "error_mean": row["force_error"]["magnitude"]["mean"],

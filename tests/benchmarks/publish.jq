@@ -143,42 +143,6 @@ def stability:
      | table("lll" + ($runs | map("r") | join("")); ["case", "figure of", "bound"] + ($runs | map(
          "\(models): \(.held) of \(.total) held, \(.steps) steps"))));
 
-# ---- levels
-
-def levels_told:
-  (.levels | first) as $coarse | (.levels | last) as $fine
-  | (.levels[:-1] | map(select(.against_finest.force <= 0.06))) as $alike
-  | (.levels | map(select(.best_step_us.p999 > 1000))) as $slow
-  | "`\(.scene)`, \(.contact | contact): from \($coarse.leaves) to \($fine.leaves) leaves a step's best "
-  + "p99.9 goes from \($coarse.best_step_us.p999 | num) to \($fine.best_step_us.p999 | num) µs"
-  + (if $slow == [] then ", and every level fits into the millisecond. "
-     else "; over a millisecond: \($slow | map(.leaves | tostring) | join(", ")) leaves. " end)
-  + (if $alike == [] then "No coarser level comes within 6 % of the finest's force on average. "
-     else "Within 6 % of the finest's force on average: \($alike | map(.leaves | tostring) | join(", ")) "
-          + "leaves. " end)
-  + "The finest level is compared with nothing: its own error against the mesh is not in these columns, "
-  + "only how much of the surface its spheres leave uncovered (\($fine.uncovered_um.mean | num) µm on "
-  + "average, \($fine.uncovered_um.max | num) at most).";
-def levels_faults:
-  (map(.levels | map(.unsolved) | add) | add) as $unsolved
-  | (map(.levels | map(.rows_full) | add) | add) as $full
-  | "Steps whose problem was not solved: \($unsolved); with more rows than there is room for: \($full).";
-def levels:
-  head("Cost by level of detail"; .[0].machine) + "\n\n"
-  + "The scene's own path with trees of so many leaves for each body (the chapter's Fig. 2.23c). "
-  + "*Force* and *torque* are mean differences from the finest level's, of its mean.\n\n"
-  + (map(levels_told) | join("\n\n")) + "\n\n" + levels_faults + "\n\n"
-  + (map("## `\(.scene)`, \(.contact | contact)\n\n\(.steps) steps, best of \(.repeats).\n\n"
-         + (.levels | map([.leaves, (.best_step_us | .p50, .p99, .p999 | num),
-                           (.raw_stage_us | .detection.p999, .solve.p999 | num),
-                           (.pairs | .p50, .max | num), (.uncovered_um | .mean, .max | num),
-                           (.against_finest | .force, .torque | num), (.build_s | num)])
-            | table("rrrrrrrrrrrrr"; ["leaves", "step, best p50 [µs]", "best p99", "best p99.9",
-                                      "detection, raw p99.9 [µs]", "solving, raw p99.9", "pairs, p50",
-                                      "max", "uncovered, mean [µm]", "max", "force", "torque",
-                                      "build [s]"])))
-     | join("\n\n"));
-
 # ---- qp
 
 def qp:
@@ -273,7 +237,6 @@ if $report == "accuracy.md" then accuracy
 elif $report == "accuracy.csv" then accuracy_csv
 elif $report == "stability.md" then stability
 elif $report == "stability.csv" then stability_csv
-elif $report == "levels.md" then levels
 elif $report == "qp.md" then qp
 elif $report == "pareto.md" then pareto
 elif $report == "peers.md" then peers_page

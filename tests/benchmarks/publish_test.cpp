@@ -22,8 +22,7 @@ using testing::Not;
 namespace fs = std::filesystem;
 
 const std::string kScript = PALPATE_SOURCE_DIR "/tests/benchmarks/publish";
-const std::vector<std::string> kReports = {"pareto", "accuracy", "stability",
-                                           "levels", "qp",       "peers"};
+const std::vector<std::string> kReports = {"pareto", "accuracy", "stability", "qp", "peers"};
 
 class Publish : public test::PalpateBench {
  protected:
@@ -150,8 +149,7 @@ TEST_F(Publish, DrawsALineForEachWayOfClosingTheLoopAndNothingOfOtherFiles) {
 
 TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
   EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.path()}), 2);
-  EXPECT_THAT(said_,
-              HasSubstr("--only speed is not one of pareto accuracy stability levels qp peers"));
+  EXPECT_THAT(said_, HasSubstr("--only speed is not one of pareto accuracy stability qp peers"));
   EXPECT_EQ(Run({"--smoke"}), 2);
   EXPECT_THAT(said_, HasSubstr("--smoke needs --out DIR"));
   EXPECT_EQ(Run({"--only"}), 2);

@@ -36,18 +36,6 @@ TEST(Programs, AreBuiltUnderTheProjectsName) {
   for (const std::string& program : Programs()) EXPECT_THAT(program, HasSubstr("palpate-"));
 }
 
-TEST(Programs, TeachWithHelpThatHasAnExample) {
-  for (const std::string& program : Programs()) {
-    const Output help = RunCommand({PathOf(program), "--help"});
-    EXPECT_EQ(help.exit_code, 0) << program;
-    for (const std::string word : {"--help", "--version", "--domain", "--log-level"}) {
-      EXPECT_THAT(help.text, HasSubstr(word)) << program;
-    }
-    EXPECT_THAT(help.text, HasSubstr("xample")) << program;
-    EXPECT_THAT(help.text, HasSubstr(program)) << program << ": the example names no program";
-  }
-}
-
 /// The commands listed by a help, found by CLI11's two columns.
 std::vector<std::string> CommandsOf(const std::string& help) {
   std::vector<std::string> commands;
@@ -67,21 +55,6 @@ std::string ExamplesOf(const std::string& help) {
   return help.substr(std::min(help.rfind("\nExample"), help.size()));
 }
 
-TEST(Programs, ShowEachCommandsOwnExamplesInItsHelp) {
-  int commands = 0;
-  for (const std::string& program : Programs()) {
-    const Output help = RunCommand({PathOf(program), "--help"});
-    for (const std::string& command : CommandsOf(help.text)) {
-      const Output own = RunCommand({PathOf(program), command, "--help"});
-      EXPECT_EQ(own.exit_code, 0) << program << ' ' << command;
-      EXPECT_THAT(ExamplesOf(own.text), HasSubstr(program + " " + command)) << own.text;
-      EXPECT_NE(ExamplesOf(own.text), ExamplesOf(help.text)) << program << ' ' << command;
-      ++commands;
-    }
-  }
-  EXPECT_GE(commands, 11);  // of scene, replay, record and lesson; the benchmarks may be left out
-}
-
 /// The lines of a text that are wider than a terminal.
 std::vector<std::string> WideLines(const std::string& text) {
   constexpr int kColumns = 80;
@@ -96,22 +69,28 @@ std::vector<std::string> WideLines(const std::string& text) {
   return wide;
 }
 
-TEST(Programs, KeepTheirHelpWithinATerminal) {
+TEST(Programs, TeachWithHelpThatHasAnExampleForEachCommandAndFitsATerminal) {
+  int commands = 0;
   for (const std::string& program : Programs()) {
     const Output help = RunCommand({PathOf(program), "--help"});
+    EXPECT_EQ(help.exit_code, 0) << program;
+    for (const std::string word : {"--help", "--version", "--domain", "--log-level"}) {
+      EXPECT_THAT(help.text, HasSubstr(word)) << program;
+    }
+    EXPECT_THAT(help.text, HasSubstr("xample")) << program;
+    EXPECT_THAT(help.text, HasSubstr(program)) << program << ": the example names no program";
+    EXPECT_THAT(help.text, Not(HasSubstr(PALPATE_SOURCE_DIR))) << "a place of this machine";
     EXPECT_THAT(WideLines(help.text), IsEmpty()) << program;
     for (const std::string& command : CommandsOf(help.text)) {
       const Output own = RunCommand({PathOf(program), command, "--help"});
+      EXPECT_EQ(own.exit_code, 0) << program << ' ' << command;
+      EXPECT_THAT(ExamplesOf(own.text), HasSubstr(program + " " + command)) << own.text;
+      EXPECT_NE(ExamplesOf(own.text), ExamplesOf(help.text)) << program << ' ' << command;
       EXPECT_THAT(WideLines(own.text), IsEmpty()) << program << ' ' << command;
+      ++commands;
     }
   }
-}
-
-TEST(Programs, NameNoPlaceOfTheMachineThatBuiltThem) {
-  for (const std::string& program : Programs()) {
-    const Output help = RunCommand({PathOf(program), "--help"});
-    EXPECT_THAT(help.text, Not(HasSubstr(PALPATE_SOURCE_DIR))) << program;
-  }
+  EXPECT_GE(commands, 11);  // of scene, replay, record and lesson; the benchmarks may be left out
 }
 
 TEST(Programs, TellTheirVersion) {

@@ -53,18 +53,6 @@ TEST(FoldedPlates, HaveSidesThatAreFlatFaceOutAndAreWhole) {
   }
 }
 
-TEST(FoldedPlates, LeaveFreeWhatLiesBetweenTheirSides) {
-  const TriangleMesh groove = MakeGroove("delaunay", kHalfAngle, 1, 2);
-  for (const Vec3& v : groove.vertices) {
-    EXPECT_LE(std::cos(kHalfAngle) * v.y() -
-                  std::abs(v.x()) / std::tan(kHalfAngle) * std::cos(kHalfAngle),
-              1e-16);
-  }
-  for (const Vec3& v : MakeHole("delaunay", Hexagon(), 1).vertices) {
-    EXPECT_GE(Vec3(v.x(), v.y(), 0.0).norm(), 0.02 * std::cos(M_PI / 6.0) - 1e-16);
-  }
-}
-
 TEST(FoldedPlates, AreClosedAndOfTheVolumeThatTheirSidesEnclose) {
   for (const std::string_view tessellation : kTessellations) {
     SCOPED_TRACE(std::string(tessellation));

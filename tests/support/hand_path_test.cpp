@@ -19,18 +19,6 @@ Scene BoxOnBall(double size) {
                    ContactModel::kSpheres);
 }
 
-TEST(HandPath, IsTheSameForTheSameSeedAndAnotherForAnother) {
-  const Scene scene = BoxOnBall(0.1);
-  const auto hand = [&](std::uint64_t seed) { return MakeHand(scene, {seed, 0.1, 800}); };
-  const std::vector<Pose> one = hand(1), again = hand(1), two = hand(2);
-  ASSERT_EQ(one.size(), 800u);
-  for (std::size_t i = 0; i < one.size(); ++i) {
-    ASSERT_EQ(one[i].p, again[i].p);
-    ASSERT_EQ(one[i].q.coeffs(), again[i].q.coeffs());
-  }
-  EXPECT_GT((one.front().p - two.front().p).norm(), 1e-3);
-}
-
 TEST(HandPath, BeginsFreeAndComesInAndLeavesAgain) {
   const Scene scene = BoxOnBall(0.1);
   const MeshOracle oracle(scene);

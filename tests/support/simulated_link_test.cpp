@@ -86,26 +86,5 @@ TEST(SimulatedLink, ReordersOnlyByHoldingSamplesBack) {
   EXPECT_NEAR(static_cast<double>(OutOfOrder(arrived)) / 10'000, 0.08, 0.02);
 }
 
-TEST(SimulatedLink, GivesEqualBitsForEqualSeedsAndOthersForOthers) {
-  const LinkConditions bad{.delay_ns = 5 * kMillisecond,
-                           .jitter_ns = 3 * kMillisecond,
-                           .loss = 0.1,
-                           .duplication = 0.1,
-                           .reordering = 0.1};
-  EXPECT_EQ(Travel(bad, 1000, 7), Travel(bad, 1000, 7));
-  EXPECT_NE(Travel(bad, 1000, 7), Travel(bad, 1000, 8));
-}
-
-TEST(SimulatedLink, LosesDifferentSamplesOnItsTwoWays) {
-  SimulatedLink<int, int> link(3, {.loss = 0.5});
-  int differs = 0;
-  for (int i = 0; i < 100; ++i) {
-    link.up.Send(i, i);
-    link.down.Send(i, i);
-    differs += link.up.Receive(i).has_value() != link.down.Receive(i).has_value();
-  }
-  EXPECT_GT(differs, 20);
-}
-
 }  // namespace
 }  // namespace palpate::test

@@ -52,24 +52,6 @@ TEST(TriangleOverlap, KnowsHowTwoTrianglesCanMeet) {
   ExpectMeet(kFlat, {Vec3(3, 3, -1), Vec3(3, 3, 1), Vec3(9, 9, 0)}, false);
 }
 
-TEST(TriangleOverlap, KnowsHowDegenerateTrianglesMeet) {
-  const Vec3 in(1, 1, 0), over(1, 1, 1), under(1, 1, -1), beside(3, 3, 0);
-  ExpectMeet(kFlat, {over, under, under}, true);
-  ExpectMeet(kFlat, {over, in, in}, true);
-  ExpectMeet(kFlat, {in, in, in}, true);
-  ExpectMeet(kFlat, {beside, beside, beside}, false);
-  ExpectMeet(kFlat, {over, over, over}, false);
-  ExpectMeet(kFlat, {over, Vec3(1, 1, 2), Vec3(1, 1, 3)}, false);
-  ExpectMeet(kFlat, {in, Vec3(2, 1, 0), Vec3(3, 1, 0)}, true);
-  // Collinear segments, crossing segments, and points.
-  ExpectMeet({in, over, over}, {Vec3(1, 1, 0.5), Vec3(1, 1, 2), Vec3(1, 1, 3)}, true);
-  ExpectMeet({in, over, over}, {Vec3(1, 1, 1.5), Vec3(1, 1, 2), Vec3(1, 1, 3)}, false);
-  ExpectMeet({in, over, over}, {Vec3(0, 1, 0.5), Vec3(2, 1, 0.5), Vec3(2, 1, 0.5)}, true);
-  ExpectMeet({in, over, over}, {Vec3(0, 1.1, 0.5), Vec3(2, 1.1, 0.5), Vec3(2, 1.1, 0.5)}, false);
-  ExpectMeet({in, in, in}, {in, in, in}, true);
-  ExpectMeet({in, in, in}, {over, over, over}, false);
-}
-
 using Whole = __int128;
 struct WholePoint {
   Whole x, y, z;
@@ -166,26 +148,6 @@ TEST(TriangleOverlap, AgreesWithWholeNumbersOnEveryKindOfTriangle) {
   EXPECT_GT(meet, cases / 10);
   EXPECT_LT(meet, cases * 9 / 10);
   EXPECT_GT(degenerate, cases / 50);
-}
-
-TEST(TriangleOverlap, DepthIsHowFarACornerStandsThroughAFace) {
-  for (const double scale : {1e-3, 1.0, 10.0}) {
-    const Pose X{Vec3(0.3, -2, 1), RotationExp(Vec3(0.4, 0.7, -1.1))};
-    const Triangle face = Moved({Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)}, X, scale);
-    const Triangle spike =
-        Moved({Vec3(0, 0, -0.01), Vec3(0.1, 0, 2), Vec3(-0.1, 0.1, 2)}, X, scale);
-    const Separation out = ShortestSeparation(face, spike);
-    EXPECT_NEAR(out.depth, 0.01 * scale, 1e-14);
-    EXPECT_NEAR(out.axis.dot(X.q * Vec3::UnitZ()), 1.0, 1e-12) << "the spike goes up";
-  }
-}
-
-TEST(TriangleOverlap, DepthOfCrossedEdgesIsAlongTheirCommonNormal) {
-  // Two roofs, ridge across ridge, one 0.03 inside the other.
-  const Triangle below{Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 0.1, -2)};
-  const Triangle above{Vec3(0, -1, -0.03), Vec3(0, 1, -0.03), Vec3(0.1, 0, 2)};
-  ASSERT_TRUE(Meet(below, above));
-  EXPECT_NEAR(ShortestSeparation(below, above).depth, 0.03, 1e-12);
 }
 
 TEST(TriangleOverlap, DepthIsZeroInOnePlaneAndWhereTheyTouch) {

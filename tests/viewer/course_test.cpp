@@ -51,26 +51,6 @@ TEST(Course, MakesRenamesAndWithdrawsPeopleWhileTheyAreThere) {
   EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Authorization", "Bearer " + renewed}}).status, 401);
 }
 
-TEST(Course, IsThereWithAllThatWasAnsweredAfterTheGatewayWasKilled) {
-  const Folder folder;
-  std::string link;
-  std::vector<std::string> tokens;
-  {
-    Gateway gateway({"--course", folder / "course"});
-    link = FirstLink(gateway);
-    Teacher teacher(gateway, link);
-    for (int i = 0; i < 10; ++i) tokens.push_back(teacher.Make("student " + std::to_string(i)));
-    gateway.program().Signal(SIGKILL);
-    EXPECT_EQ(gateway.program().Exit(), -SIGKILL);
-  }
-  Gateway gateway({"--course", folder / "course"});
-  EXPECT_EQ(FirstLink(gateway), "") << "there is a teacher already";
-  tokens.push_back(link);
-  for (const std::string& token : tokens) {
-    EXPECT_EQ(Get(gateway.port(), "/healthz", {{"Authorization", "Bearer " + token}}).status, 200);
-  }
-}
-
 /// Adds what a recorded and scored trial leaves behind.
 void AddTrial(const std::string& course, int person, const std::string& exercise, int n) {
   const std::string folder = fmt::format("{}/trials/{}/{}/{}", course, person, exercise, n);

@@ -8,15 +8,11 @@
 #include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "server/physics/energy/energy_solver.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/cut_of_rows.h"
-#include "tests/support/random.h"
 #include "tests/support/volume_left.h"
 
 namespace palpate {
 namespace {
-
-using test::Random;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadius = 0.25e-3, kStiffness = 1000.0;
@@ -174,24 +170,6 @@ TEST(CutRows, VolumeOfRowsIsThatOfTheGridAlsoBesideAnOlderCut) {
   EXPECT_NEAR(rows_volume, removed, 0.02 * removed);
 }
 
-TEST(CutRows, BelowTheThresholdABurRests) {
-  Trial candidate;
-  const double whole = test::TotalLeft(candidate.cut);
-  const Vec3 on_face(0, 0, kRadius - 20e-6);
-  candidate.bur = on_face;
-  candidate.Step(on_face);  // cuts its own hollow
-  for (int n = 0; n < 300; ++n) candidate.Step(on_face + Vec3(0, 0, -0.3e-3));
-  // 0.3 N at p0 is an area of 0.15 mm^2: the bur comes to rest in a cap of height A / (2 pi R).
-  const double rest = candidate.bur.z();
-  EXPECT_NEAR(kRadius - rest, 0.0, 0.2e-3);
-  for (int n = 0; n < 1000; ++n) candidate.Step(on_face + Vec3(0, 0, -0.3e-3));
-  EXPECT_NEAR(candidate.bur.z(), rest, 1e-6);
-  const double before = test::TotalLeft(candidate.cut), at = candidate.bur.z();
-  for (int n = 0; n < 1000; ++n) candidate.Step(Vec3(0, 0, at - 0.1e-3));
-  EXPECT_NEAR(candidate.bur.z(), at, 1e-9);
-  EXPECT_LT(before - test::TotalLeft(candidate.cut), 1e-6 * (whole - before));
-}
-
 TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
   Trial candidate(50e-6, 256, [](const Vec3& p_W) { return std::uint8_t(p_W.x() > 0.0 ? 1 : 0); });
   candidate.bur = Vec3(0, 0, -0.3e-3);
@@ -205,34 +183,6 @@ TEST(CutRows, EachSampleHasTheMaterialThatLiesAheadOfIt) {
         candidate.rows.yielding.threshold[i] * kStiffness / candidate.rows.area()[i];
     EXPECT_NEAR(pressure, x > 0.0 ? kSoft.cutting_pressure : kHard.cutting_pressure, 1.0);
   }
-}
-
-TEST(CutRows, NoHandGetsWorkOutOfTheMaterial) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    Random random(seed);
-    Trial candidate(100e-6, 64);
-    Vec3 hand = candidate.bur, towards = hand;
-    for (int n = 0; n < 1500; ++n) {
-      if (n % 50 == 0) towards = Vec3(0, 0, -0.2e-3) + random.InCube(0.5e-3);
-      hand += 0.03 * (towards - hand);
-      const Vec3 before = candidate.bur;
-      const test::CutOfRows step = candidate.Step(hand);  // expects non-negative work
-      // The work against the force on the tool agrees up to rounding.
-      const double work = -candidate.force.dot(candidate.bur - before);
-      EXPECT_GE(work, -1e-12) << n;
-      EXPECT_NEAR(work, kStiffness * step.work, 1e-12) << n;
-    }
-    EXPECT_GT(candidate.cut.changes(), 0u);
-  }
-}
-
-TEST(CutRows, BuildsWithoutAskingForMemory) {
-  Trial candidate;
-  candidate.bur = Vec3::Zero();
-  const std::uint64_t before = test::AllocationsOfThisThread();
-  candidate.Build();
-  EXPECT_EQ(test::AllocationsOfThisThread(), before);
-  EXPECT_GT(candidate.rows.count(), 0);
 }
 
 }  // namespace

@@ -273,62 +273,6 @@ TEST(Friction, KeepsEveryForceInItsConeAndTheToolOutsideInRandomScenes) {
   EXPECT_LT(unsolved, contacts / 100);
 }
 
-/// A sub-step's frictional problem: min 1/2 |x - t|^2 + sum limit |S x| subject to a . x >= b.
-struct Problem {
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  Vec6 t = Vec6::Zero();
-  std::vector<Vec6> a;
-  std::vector<double> b;
-  struct Rub {
-    Eigen::Matrix<double, 3, 6> S;
-    double limit;
-  };
-  std::vector<Rub> rubs;
-
-  double Cost(const Vec6& x) const {
-    double cost = 0.5 * (x - t).squaredNorm();
-    for (const Rub& rub : rubs) cost += rub.limit * (rub.S * x).norm();
-    return cost;
-  }
-  double Violation(const Vec6& x) const {
-    double most = 0.0;
-    for (std::size_t j = 0; j < a.size(); ++j) most = std::max(most, b[j] - a[j].dot(x));
-    return most;
-  }
-  /// A lower bound on the cost of every feasible x, by plain coordinate ascent of the dual: any
-  /// lambda >= 0 and |f| <= limit give one.
-  double LowerBound(int sweeps) const {
-    std::vector<double> lambda(a.size(), 0.0);
-    std::vector<Vec3> f(rubs.size(), Vec3::Zero());
-    Vec6 x = t;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      double moved = 0.0;
-      for (std::size_t j = 0; j < a.size(); ++j) {
-        const double step = std::max(-lambda[j], (b[j] - a[j].dot(x)) / a[j].squaredNorm());
-        lambda[j] += step;
-        x += step * a[j];
-        moved = std::max(moved, std::fabs(step));
-      }
-      for (std::size_t i = 0; i < rubs.size(); ++i) {
-        const auto& S = rubs[i].S;
-        Vec3 next = f[i] + S * x / (S * S.transpose()).trace();
-        if (next.norm() > rubs[i].limit) next *= rubs[i].limit / next.norm();
-        x -= S.transpose() * (next - f[i]);
-        moved = std::max(moved, (next - f[i]).norm());
-        f[i] = next;
-      }
-      if (moved < 1e-16) break;
-    }
-    Vec6 d = Vec6::Zero();  // A^T lambda - S^T f, without the rounding accumulated in x
-    for (std::size_t j = 0; j < a.size(); ++j) d += lambda[j] * a[j];
-    for (std::size_t i = 0; i < rubs.size(); ++i) d -= rubs[i].S.transpose() * f[i];
-    double bound = -0.5 * d.squaredNorm();
-    for (std::size_t j = 0; j < a.size(); ++j) bound += lambda[j] * (b[j] - a[j].dot(t));
-    for (std::size_t i = 0; i < rubs.size(); ++i) bound += f[i].dot(rubs[i].S * t);
-    return bound;
-  }
-};
-
 /// The lever of the point at which a row touches when it holds.
 Vec3 LeverWhereItTouches(const ContactRows& rows, int row) {
   return rows.lever(row) - rows.gap(row) * rows.normal(row);
@@ -337,10 +281,10 @@ Vec3 LeverWhereItTouches(const ContactRows& rows, int row) {
 /// How far contacts are from Coulomb's law at the x that their forces balance.
 /// @param turns  whether it is no ball.   @param mu_s, mu_d  of every contact.   @return the
 /// greatest error of a force [m]
-double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Problem::Vec6& t, double rho,
+double ErrorOfLaw(const ContactRows& rows, const Optimum& found, const Vec6& t, double rho,
                   bool turns, double mu_s, double mu_d) {
   std::vector<Vec3> force(static_cast<std::size_t>(rows.count()), Vec3::Zero());
-  Problem::Vec6 x = t;
+  Vec6 x = t;
   for (int k = 0; k < found.qp.active; ++k) {
     const int i = found.qp.row[k];
     Vec3& f = force[static_cast<std::size_t>(i)];
@@ -394,7 +338,7 @@ TEST(Friction, SatisfiesCoulombsLawInRandomProblems) {
         Target target{random.Uniform(-2e-3, -2e-4) * up + random.InCube(2e-3),
                       random.InCube(turns ? 0.05 : 0.0)};
         for (int step = 0; step < 6; ++step) {  // from the second on, with forces to start from
-          Problem::Vec6 t;
+          Vec6 t;
           t << target.v, rho * target.phi;
           Optimum optimum;
           optimum.qp = ActiveKernels().solve(t.data(), rows.view(), nullptr, 0);
@@ -467,7 +411,7 @@ void ExpectTheLaw(const std::vector<Corner>& corners, std::vector<Target> target
   rows.Finish();
   const double rho = model.rotation_length();
   for (const Target& target : targets) {
-    Problem::Vec6 t;
+    Vec6 t;
     t << target.v, rho * target.phi;
     Optimum optimum;
     optimum.qp = ActiveKernels().solve(t.data(), rows.view(), nullptr, 0);
@@ -484,7 +428,7 @@ void ExpectTheLaw(const std::vector<Corner>& corners, std::vector<Target> target
     ASSERT_FALSE(optimum.friction_unsolved) << which;
     // A newton presses a contact 1 nm into its row.
     ASSERT_LT(ErrorOfLaw(rows, optimum, t, rho, true, kStatic, kDynamic), 2e-6 * t.norm()) << which;
-    Problem::Vec6 balanced = t, x = Problem::Vec6::Map(optimum.qp.x);
+    Vec6 balanced = t, x = Vec6::Map(optimum.qp.x);
     for (int k = 0; k < optimum.qp.active; ++k) {
       const int row = optimum.qp.row[k];
       const Vec3 friction = optimum.friction[static_cast<std::size_t>(k)];
@@ -566,102 +510,6 @@ TEST(Friction, ObeysItsLawOnRandomFacesThatOnePlaneCarries) {
     ExpectTheLaw(corners, targets, seed % 2 == 0, "seed " + std::to_string(seed));
     if (testing::Test::HasFatalFailure()) return;
   }
-}
-
-TEST(Friction, MinimisesAsABruteForceSolverDoes) {
-  const double mu = 0.5;
-  int problems = 0, skipped = 0, contacts = 0, loose = 0;
-  double worst = 0.0, worst_lower = 0.0;
-  for (int scene = 0; scene < 12; ++scene) {
-    Random random(static_cast<std::uint64_t>(80 + scene));
-    Bench bench(RandomBalls(random, scene % 3 == 0 ? 1 : 40, 0.02, 0.004),
-                RandomBalls(random, 150, 0.05, 0.005), Rubbing(FrictionModel::kCoulomb),
-                Rough(mu, mu));
-    bench.state().X_WG = At(0.0, 0.0, 0.15);
-    const HapticModel& model = bench.model();
-    const bool turns = !model.is_ball();
-    const double rho = model.rotation_length();
-    int step = 0;
-    Wander(bench, random, 2000, [&](const StepReport& report) {
-      if (++step % 50 != 0 || report.contacts == 0) return;
-      const Pose& X = bench.state().X_WG;
-      const Mat3 R_WG = X.q.toRotationMatrix();
-      ContactRows& rows = bench.workspace().buffers().rows;
-      bench.workspace().buffers().prediction.Predict(
-          model, ActiveKernels(), R_WG, X * model.reference(), {1e-3, 2e-2}, rows, nullptr);
-      // Towards the contacts, but obliquely.
-      Target target{-2e-3 * report.wrench.force.normalized() + random.InCube(2e-3),
-                    random.InCube(turns ? 0.05 : 0.0)};
-      Problem problem;
-      problem.t << target.v, rho * target.phi;
-      for (int j = 0; j < rows.count(); ++j) {
-        problem.a.emplace_back();
-        problem.a.back() << rows.normal(j), rows.lever_cross_normal(j) / rho;
-        problem.b.push_back(-rows.gap(j));
-      }
-      const QpResult frictionless =
-          ActiveKernels().solve(problem.t.data(), rows.view(), nullptr, 0);
-      if (frictionless.status != QpStatus::kSolved || frictionless.active == 0) return;
-      StepState state;
-      StepReport counts;
-      StepContext context(model, state, bench.workspace().buffers(), counts);
-      context.tools.R_WG = R_WG;
-      context.sub_step.target = target;
-      context.sub_step.rigid = rows.view();
-      Optimum optimum;
-      optimum.qp = frictionless;
-      AddFriction(context, optimum);
-      const QpResult& qp = optimum.qp;
-      const Problem::Vec6 x = Problem::Vec6::Map(qp.x);
-      if (optimum.friction_yielded || optimum.friction_unsolved ||
-          (turns && x.tail<3>().norm() / rho < model.parameters().max_rotation)) {
-        ++skipped;  // no minimum of Coulomb's cost was found, or Creep has moved it
-        return;
-      }
-      for (int i = 0; i < qp.active; ++i) {
-        const Vec3 n = rows.normal(qp.row[i]);
-        const LeafSphere& leaf =
-            model.tool().leaves[static_cast<std::size_t>(rows.id(qp.row[i]).a)];
-        const Vec3 l =
-            R_WG * Vec3(leaf.x, leaf.y, leaf.z) - (leaf.radius + rows.gap(qp.row[i])) * n;
-        const Mat3 tangential = Mat3::Identity() - n * n.transpose();
-        Mat3 minus_l_cross;
-        minus_l_cross << 0.0, l.z(), -l.y(), -l.z(), 0.0, l.x(), l.y(), -l.x(), 0.0;
-        Problem::Rub rub;
-        rub.S << tangential, turns ? Mat3(tangential * minus_l_cross / rho) : Mat3::Zero();
-        rub.limit = mu * qp.multiplier[i];
-        problem.rubs.push_back(rub);
-      }
-      const double size = problem.t.norm();
-      ASSERT_LE(problem.Violation(x), 1e-11 * size);
-      // By strong convexity the minimiser is at most sqrt(2 (cost - minimum)) away.
-      double excess = problem.Cost(x) - problem.LowerBound(30000);
-      if (excess > 1e-10 * size * size) excess = problem.Cost(x) - problem.LowerBound(3000000);
-      ASSERT_GE(excess, -1e-11 * size * size);  // what rows may yield, times their forces
-      const double distance = std::sqrt(2.0 * std::max(0.0, excess)) / size;
-      worst = std::max(worst, distance);
-      loose += distance > 2e-5;
-      // Nor does any feasible step cost less.
-      for (int k = 0; k < 500; ++k) {
-        Problem::Vec6 y = x;
-        const double length = size * std::pow(10.0, random.Uniform(-6.0, 0.0));
-        y.head<3>() += length * random.InCube(1.0);
-        if (turns) y.tail<3>() += length * random.InCube(1.0);
-        if (problem.Violation(y) > 0.0) continue;
-        worst_lower = std::max(worst_lower, (problem.Cost(x) - problem.Cost(y)) / (size * size));
-      }
-      ++problems;
-      contacts += qp.active;
-    });
-  }
-  EXPECT_GT(problems, 100);
-  EXPECT_GT(2 * contacts, 3 * problems);
-  // A sticking contact slips by at most 1e-10 of the size, or 1e-8 where two contacts hold the tool
-  // between them; the cost rises by as much, and its square root is 1e-5 or 1e-4.
-  EXPECT_LT(worst, 1e-4);
-  EXPECT_LT(loose, problems / 20);
-  EXPECT_LT(skipped, problems / 5);
-  EXPECT_LT(worst_lower, 1e-12);
 }
 
 // The weakest torsional spring that a model accepts, beside translational springs up to stiff ones.

@@ -170,24 +170,6 @@ TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
   }
 }
 
-TEST(SceneFile, ReadsHowTheLeavesStandForTheMesh) {
-  const auto with = [](const std::string& tree) {
-    return ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
-                                     "leaves": 1}],
-                          "objects": [{"name": "o", "mesh": {"shape": "box", "size_m": [1, 1, 1]},
-                                       "leaves": 8)" +
-                          tree + "}]}",
-                      "demo.json")
-        .objects[0]
-        .tree.mode;
-  };
-  EXPECT_EQ(with(""), TreeMode::kInside);
-  EXPECT_EQ(with(R"(, "tree": "inside")"), TreeMode::kInside);
-  EXPECT_EQ(with(R"(, "tree": "balanced")"), TreeMode::kBalanced);
-  EXPECT_EQ(with(R"(, "tree": "cover")"), TreeMode::kCover);
-  EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")"); }), HasSubstr("balanced"));
-}
-
 TEST(SceneFile, BalancesLeavesThatAreFeltUnlessItSaysOtherwise) {
   const auto with = [](const std::string& tree, const std::string& contact) {
     const SceneDescription scene =
@@ -205,6 +187,8 @@ TEST(SceneFile, BalancesLeavesThatAreFeltUnlessItSaysOtherwise) {
   EXPECT_EQ(with("", R"(, "contact": "spheres")"), TreeMode::kBalanced);
   EXPECT_EQ(with(R"(, "tree": "inside")", R"(, "contact": "spheres")"), TreeMode::kInside);
   EXPECT_EQ(with(R"(, "tree": "balanced")", ""), TreeMode::kBalanced);
+  EXPECT_EQ(with(R"(, "tree": "cover")", ""), TreeMode::kCover);
+  EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")", ""); }), HasSubstr("balanced"));
 }
 
 TEST(SceneFile, ReadsWhichFileTheLeavesAreFrom) {

@@ -353,20 +353,6 @@ TEST(CutField, TakesNothingWhereTheBurIsNowhere) {
   EXPECT_EQ(block.cut.Sample(Vec3(0, 0, -0.2e-3)).distance, -block.solid.field().band());
 }
 
-TEST(CutField, CutsWithoutAskingForMemory) {
-  CutBlock block(50e-6, kTilted);
-  const std::vector<Move> moves = RandomMoves(7, 30);
-  const std::uint64_t before = test::AllocationsOfThisThread();
-  double sum = 0.0;
-  for (const Move& m : moves) {
-    block.cut.Remove(m.bur, m.X_BT, m.step);
-    sum += block.cut.Sample(m.X_BT.p).distance;
-  }
-  EXPECT_EQ(test::AllocationsOfThisThread(), before);
-  EXPECT_TRUE(std::isfinite(sum));
-  EXPECT_GT(block.cut.changes(), 0u);
-}
-
 TEST(CutField, ToothOfTenMillimetresAndAllThatCanBeCutOfItFitInto64Megabytes) {
   const SolidGrid solid(MakeEllipsoid(Vec3(4e-3, 3.5e-3, 5e-3), 5120), {.spacing = 50e-6}, "tooth");
   const std::size_t left = (64u << 20) - solid.bytes();

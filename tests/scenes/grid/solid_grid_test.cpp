@@ -8,7 +8,6 @@
 
 #include "scenes/mesh/mesh_query.h"
 #include "scenes/shapes/shapes.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/complaint.h"
 #include "tests/support/random.h"
 
@@ -154,19 +153,6 @@ TEST(SolidGrid, GivesTheSameBitsAgain) {
       }
     }
   }
-}
-
-TEST(SolidGrid, ReadsWithoutAskingForMemory) {
-  const SolidGrid grid(MakeSphere(1e-3, 1280), {.spacing = 100e-6}, "sphere");
-  Random random(9);
-  double sum = 0.0;
-  const std::uint64_t before = test::AllocationsOfThisThread();
-  for (int n = 0; n < 1000; ++n) {
-    const Vec3 p = random.InCube(2e-3);
-    sum += grid.Sample(p).distance + grid.Material(p);
-  }
-  EXPECT_EQ(test::AllocationsOfThisThread(), before);
-  EXPECT_TRUE(std::isfinite(sum));
 }
 
 TEST(SolidGrid, OutsideOfItIsFreeAndSoIsWhatIsNoPlace) {

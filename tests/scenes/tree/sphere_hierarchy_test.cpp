@@ -91,11 +91,5 @@ TEST(SphereHierarchy, NodesOfDistantClustersDoNotMix) {
   }
 }
 
-TEST(SphereHierarchy, TakesAThousandCopiesOfTheSameBall) {
-  const SphereTree tree = ArrangeLeaves(std::vector<Sphere>(1000, {Vec3(1, 2, 3), 0.5})).tree;
-  EXPECT_EQ(tree.leaves(), 1000u);
-  EXPECT_NEAR(tree.level(0)[0].radius[0], 0.5, 1e-6);
-}
-
 }  // namespace
 }  // namespace palpate

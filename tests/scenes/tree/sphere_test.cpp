@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,28 +23,6 @@ std::vector<Sphere> RandomSpheres(Numbers& numbers, int count, double radius) {
   std::vector<Sphere> balls;
   for (int i = 0; i < count; ++i) balls.push_back({numbers.Point(1), numbers.Uniform(0, radius)});
   return balls;
-}
-
-TEST(EnclosingSphere, OfTwoTouchesBothFarEnds) {
-  const Sphere s = EnclosingSphere({{Vec3(0, 0, 0), 1.0}, {Vec3(4, 0, 0), 0.5}});
-  EXPECT_NEAR(s.radius, 2.75, 1e-12);
-  EXPECT_NEAR((s.centre - Vec3(1.75, 0, 0)).norm(), 0.0, 1e-12);
-}
-
-TEST(EnclosingSphere, OfOneInsideAnotherIsTheLarger) {
-  const Sphere s = EnclosingSphere({{Vec3(0.1, 0, 0), 0.5}, {Vec3(0, 0, 0), 1.0}});
-  EXPECT_EQ(s.radius, 1.0);
-  EXPECT_EQ(s.centre, Vec3(0, 0, 0));
-}
-
-TEST(EnclosingSphere, OfARegularTetrahedronIsItsCircumsphere) {
-  std::vector<Sphere> balls;
-  for (const Vec3& v : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)}) {
-    balls.push_back({v, 0.25});
-  }
-  const Sphere s = EnclosingSphere(balls);
-  EXPECT_NEAR(s.radius, std::sqrt(3.0) + 0.25, 1e-12);
-  EXPECT_NEAR(s.centre.norm(), 0.0, 1e-12);
 }
 
 TEST(EnclosingSphere, HoldsAllAndNoCentreNearbyNeedsLess) {
