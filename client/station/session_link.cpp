@@ -248,12 +248,15 @@ void SessionLink::MakeReader() {
 
 void SessionLink::PollMatching(std::int64_t now_ns) {
   if (server_restarted_ || IsOver(*state_)) return Ask(now_ns);
-  const bool discovered = dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_));
-  if (!wrenches_ && discovered && !Try([this] { MakeReader(); }, now_ns)) return;
+  // Which takes a look at all that is in the domain.
+  const auto discovered = [this] {
+    return dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_));
+  };
+  if (!wrenches_ && discovered() && !Try([this] { MakeReader(); }, now_ns)) return;
   const int readers = path_->writer.matched_readers();
   if (!wrenches_ || readers == 0) {
     if (now_ns - phase_since_ns_ <= kMatchPatience_ns) return;
-    if (wrenches_ && wrenches_.matched_writers() == 0 && discovered) {
+    if (wrenches_ && wrenches_.matched_writers() == 0 && discovered()) {
       throw Error(AnotherVersionIsThere(options_.domain));
     }
     say_("the server accepted 5 s ago and is not found in the loop's domain: asking again");
