@@ -359,8 +359,7 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
   }
   const std::string& complaint = trial.recorder->complaint();
   if (trial.news.phase == "ending" && trial.began_ns == 0) {
-    trial.news.whole =
-        false;  // it was ended before it began, and a recorder that starts dies of that
+    trial.news.whole = false;  // a recorder that has not begun dies of being told to end
   } else if (trial.retry_ns == 0 && (trial.news.phase != "ending" || !complaint.empty())) {
     trial.news.whole = false;
     trial.news.reason = "not whole: " + (complaint.empty() ? "its recorder ended" : complaint);

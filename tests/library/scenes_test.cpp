@@ -37,7 +37,8 @@ class Served {
     wire::FromPose(X_WH, pose.position_m, pose.orientation_wxyz);
     wire::Wrench answer{};
     session_.loop().OnPose(pose, answer);
-    session_.Update(pose.sample_time_ns);
+    // Two polls: one tells the start, and the next gives it to the loop.
+    for (int i = 0; i < 2; ++i) session_.Update(pose.sample_time_ns);
     return answer;
   }
 

@@ -70,10 +70,22 @@ TEST(RunForked, TellsItsWorkToEndWhereThisProcessIsToldTo) {
 }
 
 TEST(RunForked, EndsItsWorkByTheSignalThatEndsTheProgram) {
-  StopSignal stop;
-  std::raise(SIGTERM);
-  // The work's copy of the handler interrupts it, long before its time.
-  EXPECT_TRUE(RunForked([](const Tell&) { pause(); }, 60.0).finished);
+  const StopSignal stop;
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const auto work = [&](const Tell&) {
+    (void)!write(ends[1], "!", 1);
+    pause();  // which the work's copy of the handler interrupts, long before its time
+  };
+  const auto stopped = [&] {
+    char byte = 0;
+    const bool works = read(ends[0], &byte, 1) == 1;
+    usleep(200'000);  // from there to the pause
+    return works;
+  };
+  EXPECT_TRUE(RunForked(work, 60.0, stopped).finished);
+  close(ends[0]);
+  close(ends[1]);
 }
 
 TEST(RunForked, LeavesNothingThatItsWorkHasStarted) {
