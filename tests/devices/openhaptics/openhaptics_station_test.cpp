@@ -101,11 +101,12 @@ class OpenHapticsStation : public testing::Test {
           witness.Watch(station_->id());
           const std::size_t said = station_->Output().size();
           Press(depth_mm);
-          const auto held_back = [this] { return ReadTrace(trace_).back().Limited("energy"); };
-          if (Eventually(so, 2.0) || (!held_back() && Eventually(so))) return Attempt::kShown;
-          const bool let_go =
-              station_->Output().find("the arm is ready", said) != std::string::npos;
-          const bool spoilt = held_back() || let_go;
+          const auto is_spoilt = [&] {
+            return ReadTrace(trace_).back().Limited("energy") ||
+                   station_->Output().find("the arm is ready", said) != std::string::npos;
+          };
+          if (Eventually(so, 2.0) || (!is_spoilt() && Eventually(so))) return Attempt::kShown;
+          const bool spoilt = is_spoilt();
           Press(-5.0);
           return spoilt ? Attempt::kSpoilt : Attempt::kFailed;
         },
