@@ -248,7 +248,7 @@ void SessionLink::MakeReader() {
 
 void SessionLink::PollMatching(std::int64_t now_ns) {
   if (server_restarted_ || IsOver(*state_)) return Ask(now_ns);
-  // Which takes a look at all that is in the domain.
+  // Asked only while it has to be: it goes through all writers of the domain.
   const auto discovered = [this] {
     return dds::WriterDiscovered(*loop_, dds::WrenchTopic(options_.station, run_));
   };

@@ -1,6 +1,8 @@
 #include "tests/support/cone_projection.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <vector>
 
 #include <Eigen/QR>
@@ -54,6 +56,49 @@ TEST(ConeProjection, LeavesWhatTheBestOfAllSetsOfGeneratorsLeaves) {
     const Vec6L left = LeftOfCone(generators, b);
     EXPECT_LT(static_cast<double>((left - LeftOfTheBest(generators, b, 1e-3L)).norm()), 1e-9)
         << trial;
+  }
+}
+
+TEST(ConeProjection, LeavesAMillionthOfWhatLiesInTheCone) {
+  Random random(12);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<Vec6L> generators;
+    Vec6L b = Vec6L::Zero();
+    long double loads = 0;
+    for (int i = random.Below(40); i >= 0; --i) {
+      const long double load = random.Uniform(0.0, 2.0);
+      generators.push_back(RandomUnit(random));
+      b += load * generators.back();
+      loads += load * load;
+    }
+    EXPECT_LE(static_cast<double>(LeftOfCone(generators, b).norm()),
+              1e-3 * static_cast<double>(std::sqrt(loads)))
+        << trial;
+    if (generators.size() == 1) {
+      EXPECT_NEAR(static_cast<double>(LeftOfCone(generators, b).norm() / b.norm()), 1e-6, 1e-9);
+    }
+  }
+}
+
+TEST(ConeProjection, LeavesEverythingWhereNothingPushesThatWay) {
+  Random random(13);
+  const Vec6L b = RandomUnit(random);
+  EXPECT_EQ(LeftOfCone({}, b), b);
+  const std::vector<Vec6L> away{-b};
+  EXPECT_EQ(LeftOfCone(away, b), b);
+}
+
+TEST(ConeProjection, MakesNoWedgeOfTwoWallsThatAreParallelUpToRounding) {
+  Vec6L across = Vec6L::Zero();
+  across[1] = 1;
+  for (const long double angle : {1e-9L, 1e-5L, 0.02L}) {
+    Vec6L wall = Vec6L::Zero(), other = wall;
+    wall[0] = 1;
+    other[0] = -std::cos(angle);
+    other[1] = std::sin(angle);
+    const double left = static_cast<double>(LeftOfCone(std::vector{wall, other}, across).norm());
+    // Of a right angle: 1 / (1 + (angle / slack)^2 / 2)
+    EXPECT_NEAR(left, 1 / (1 + static_cast<double>(angle * angle) * 0.5e6), 1e-3) << angle;
   }
 }
 
