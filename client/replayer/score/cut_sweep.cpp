@@ -77,12 +77,8 @@ void CutSweep::HearOfScene(const RecordedSample& sample) {
   if (sample.To(state) && state.station == station_ && state.run == run_) {
     if (state.phase == palpate_SESSION_REFUSED) return;
     scene_run_ = {state.scene, state.server_run};
+    if (state.start_sequence == 0) return;
     const Pose start = wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
-    if (state.start_sequence == 0) {
-      if (state.phase == palpate_SESSION_ACTIVE) next_start_ = start;
-      return;
-    }
-    next_start_.reset();
     const bool is_new = starts_.try_emplace(state.start_sequence, start).second;
     sure_ = sure_ && (!is_new || state.start_sequence > last_pose_);
   } else if (sample.To(whole) && whole.station == station_ && whole.run == run_) {
@@ -113,11 +109,10 @@ void CutSweep::Advance(std::size_t left) {
 
 void CutSweep::Follow(const Hand& hand, const wire::Wrench& answer) {
   const bool had_force = std::exchange(has_force_, (answer.faults & kFaultNotStarted) == 0);
-  if (has_force_ && !had_force && next_start_) {
-    starts_.try_emplace(hand.pose_sequence, *std::exchange(next_start_, std::nullopt));
-  }
   if (const auto start = starts_.find(hand.pose_sequence); start != starts_.end()) {
     state_.X_WG = start->second;
+  } else if (has_force_ && !had_force) {
+    sure_ = false;  // the recorder ended before it was told that forces began here
   }
   for (auto whole = wholes_.upper_bound(wholes_done_);
        whole != wholes_.end() && whole->second <= hand.pose_sequence; ++whole) {

@@ -23,8 +23,8 @@ namespace palpate {
 ///
 /// The result is not known if the tool may have cut in a cycle of several sub-steps (it moved
 /// farther in it than half the grid's band, or stayed behind its hand), if others cut in the
-/// scene, or if anything was cut before the recording.  Finish then returns none, and Verify has
-/// to be used.
+/// scene, if anything was cut before the recording, or if it lacks where forces began.  Finish then
+/// returns none, and Verify has to be used.
 class CutSweep {
  public:
   /// @param tool  name of a tool of the scene.  Throws Error if there is none of that name.
@@ -59,7 +59,6 @@ class CutSweep {
   std::deque<Hand> hands_;                         ///< by sequence; not yet used
   std::deque<wire::Wrench> answers_;               ///< not yet used
   std::map<std::uint64_t, Pose> starts_;           ///< X_WG by the pose's sequence
-  std::optional<Pose> next_start_;                 ///< told, and its pose not yet
   bool has_force_ = false;                         ///< in the last answer
   std::map<std::uint64_t, std::uint64_t> wholes_;  ///< poses by the numbers of the wholes
   std::uint64_t wholes_done_ = 0;                  ///< the last number

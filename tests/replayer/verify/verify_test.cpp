@@ -491,15 +491,19 @@ std::string FileOf(const std::string& scene) {
   return PALPATE_SOURCE_DIR "/tests/replayer/golden/" + scene + ".mcap";
 }
 
+HandPath HandOf(const SessionVerdict& session) {
+  HandPath hand;
+  hand.station = session.station;
+  hand.run = session.run;
+  hand.tool_name = session.tool;
+  return hand;
+}
+
 /// Where the tool's path alone is enough to tell what it cut, the volumes have the same bits.
 void ExpectTheSweepToBeThat(const std::string& file, const SessionVerdict& computed) {
   const SolidsCut& again = *computed.cut;
   if (again.after.empty()) return;
-  HandPath hand;
-  hand.station = computed.station;
-  hand.run = computed.run;
-  hand.tool_name = computed.tool;
-  const auto swept = SweptIn(file, hand, {again.scene, again.objects});
+  const auto swept = SweptIn(file, HandOf(computed), {again.scene, again.objects});
   // In these two the tool begins inside the material, and frees itself by many sub-steps.
   EXPECT_EQ(swept.has_value(), computed.scene != "caries" && computed.scene != "calculus");
   if (!swept) return;
@@ -535,6 +539,22 @@ std::string NameOf(const testing::TestParamInfo<std::string>& info) {
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, GoldenRecording, testing::ValuesIn(CatalogueNames()), NameOf);
+
+TEST_F(VerifyTest, LeavesNothingToTheSweepWhereThePoseWithWhichForcesBeganIsNotTold) {
+  const std::string untold = folder_ / "untold.mcap";
+  Copy(FileOf("crown"), untold, [](const RecordedSample& sample, std::vector<std::uint8_t>& cdr) {
+    wire::SessionState state{};
+    if (!sample.To(state)) return;
+    state.start_sequence = 0;
+    cdr.clear();
+    dds::ToCdr(state, cdr);
+  });
+  const Verification verification = Verify({untold}, {.whose = {{"golden", 1}}});
+  EXPECT_TRUE(verification.good()) << ToText(verification);
+  ASSERT_EQ(verification.sessions.size(), 1u);
+  const SessionVerdict& computed = verification.sessions[0];
+  EXPECT_FALSE(SweptIn(untold, HandOf(computed), {computed.cut->scene, computed.cut->objects}));
+}
 
 TEST(GoldenRecordings, AreThereForEverySceneWhoseMeshesAre) {
   for (const std::string& scene : CatalogueNames()) {
