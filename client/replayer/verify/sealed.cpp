@@ -143,18 +143,18 @@ void JudgeAll(std::vector<SealedVerdict>& trials,
   work();
 }
 
-/// Refuses a recording that is used for two persons or two trials.  Copies that are refused anyway
-/// do not count.
+/// Refuses a session that is used for two persons or two trials.  Copies that are refused anyway do
+/// not count, nor do equal recordings without a session: all of those that a gateway's death cut
+/// short before their first message have the same bytes.
 void RefuseTwice(std::vector<SealedVerdict>& trials) {
-  std::map<std::string, std::vector<SealedVerdict*>> by_content;
+  std::map<std::pair<std::string, std::uint64_t>, std::vector<SealedVerdict*>> by_session;
   for (SealedVerdict& trial : trials) {
-    if (!trial.refused.empty() || trial.seal->recording.empty()) continue;
-    std::set<std::string> keys = {trial.seal->sha256};
-    for (const auto& [station, run] : trial.sessions)
-      keys.insert(fmt::format("{} {}", station, run));
-    for (const std::string& key : keys) by_content[key].push_back(&trial);
+    if (!trial.refused.empty()) continue;
+    for (const auto& session : std::set(trial.sessions.begin(), trial.sessions.end())) {
+      by_session[session].push_back(&trial);
+    }
   }
-  for (const auto& [key, same] : by_content) {
+  for (const auto& [session, same] : by_session) {
     if (same.size() < 2) continue;
     for (SealedVerdict* const trial : same) {
       const SealedVerdict* const other = same.front() == trial ? same.back() : same.front();

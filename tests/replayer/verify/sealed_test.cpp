@@ -1,3 +1,4 @@
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -223,6 +224,18 @@ TEST_F(SealedTest, HandedInForTwoIsRefusedForBoth) {
   certificate = Verified();
   EXPECT_NE(certificate.trials[0].refused, "");
   EXPECT_NE(certificate.trials[1].refused, "");
+}
+
+TEST_F(SealedTest, CutShortBeforeTheFirstMessageIsEqualToOthersAndVerified) {
+  // What a recorder has written by then: the magic bytes and the header, whose length is at 9.
+  const std::string whole = Read(kAnna + ".mcap");
+  std::uint64_t header = 0;
+  std::memcpy(&header, whole.data() + 9, sizeof header);
+  for (const std::string& stem : {kAnna, kBen}) Write(stem + ".mcap", whole.substr(0, 17 + header));
+  SealBoth();
+  const Certificate certificate = Verified();
+  EXPECT_TRUE(certificate.good()) << ToText(certificate);
+  EXPECT_EQ(certificate.trials[0].wrenches, 0u);
 }
 
 TEST_F(SealedTest, OfAnotherSceneOrOfForcesThatNoPhysicsGaveIsRefused) {
