@@ -209,6 +209,7 @@ class Scenes {
 struct SessionFacts {
   std::string station, scene, tool;
   std::uint64_t run = 0, server_run = 0;
+  bool has_ended = false;                         ///< within the recording
   std::map<std::uint64_t, Pose> starts;           ///< X_WG by the pose at which forces start
   std::optional<Pose> last_start;                 ///< the recorder ended before its pose was told
   std::map<std::uint64_t, std::uint64_t> wholes;  ///< LoopWhole.pose_sequence by its number
@@ -262,7 +263,7 @@ class SessionReplay : public CutSession {
     ++verdict_.broken;
   }
   /// Ends the input.
-  /// @param cut_off  the recording has no end.
+  /// @param cut_off  the recording ends before the session.
   void Close(bool cut_off) {
     if (cut_off) ForgetAfter(newest_pose_);
     ForgetAfter(facts_.cuts.known);
@@ -464,6 +465,7 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
       facts.scene = state.scene;
       facts.tool = state.tool;
       facts.server_run = state.server_run;
+      facts.has_ended |= state.phase == palpate_SESSION_ENDED;
       const Pose start = wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
       if (state.start_sequence != 0) {
         facts.starts[state.start_sequence] = start;
@@ -561,7 +563,7 @@ class Verifier {
       Hear(sample, session);
       if (number == session.last_sample && session.replay) {
         session.is_closed = true;
-        session.replay->Close(cut_off);
+        session.replay->Close(cut_off || !session.facts->has_ended);
       }
       Settle(session.scene);
     }

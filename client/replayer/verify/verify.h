@@ -52,7 +52,7 @@ struct SessionVerdict {
   std::uint64_t poses = 0;     ///< in the recording
   std::uint64_t recorded = 0;  ///< wrenches in the recording
   std::uint64_t broken = 0;    ///< of these, not valid wrench samples
-  /// Not of these: the last ones, whose poses are missing because the recording was cut off.
+  /// Not of these: the last ones, whose poses are missing because the recording ended first.
   std::uint64_t cut_off = 0;
   std::uint64_t verified = 0;   ///< recomputed to the same bits
   std::uint64_t different = 0;  ///< recomputed to other bits

@@ -46,6 +46,7 @@ struct Story {
   bool pose_untold = false;        ///< with which forces began: the recorder ended before
   std::uint64_t whole_before = 0;  ///< a pose; 0: never.  Forces begin again 20 poses later
   bool whole_lost = false;
+  bool goes_on = false;  ///< when the recorder ends
 };
 
 /// On the cube the hand slides along the top face, 1 mm deep.  On the calculus it scrapes.  On a
@@ -78,8 +79,10 @@ void Record(const Story& story, const std::string& file) {
   const wire::HapticPose start = PoseAt(scene, kStart);
   StepWorkspace workspace(model);
   const Pose X_WG = ResolveStart(model, wire::ToPose(start), workspace).X_WG;
-  const auto say_start = [&](std::uint64_t sequence, const Pose& X, std::int64_t now_ns) {
+  const auto say_start = [&](std::uint64_t sequence, const Pose& X, std::int64_t now_ns,
+                             wire::SessionPhase phase = palpate_SESSION_ACTIVE) {
     wire::SessionState state = SampleState("hand", 9);
+    state.phase = phase;
     wire::FromText(scene.name, state.scene);
     wire::FromText(scene.tools.front().name, state.tool);
     state.start_sequence = sequence;
@@ -111,6 +114,7 @@ void Record(const Story& story, const std::string& file) {
   }
   const auto end_ns = static_cast<std::int64_t>(kPoses) * kMs;
   if (!story.state_lost) say_start(story.pose_untold ? 0 : kStart, X_WG, end_ns);
+  if (!story.state_lost && !story.goes_on) say_start(0, X_WG, end_ns, palpate_SESSION_ENDED);
   writer.Close("");
 }
 
@@ -437,15 +441,21 @@ TEST_F(VerifyTest, VerifiesWhatIsThereOfARecordingThatWasCutOff) {
   EXPECT_THAT(verification.problems, SizeIs(1));
 }
 
-TEST_F(VerifyTest, LeavesOutTheLastWrenchesOfARecordingThatWasCutOffBeforeTheirPoses) {
+TEST_F(VerifyTest, LeavesOutTheLastWrenchesOfARecordingThatEndedBeforeTheirPoses) {
+  const auto expect_left_out = [](const Verification& verification) {
+    EXPECT_TRUE(verification.good()) << ToText(verification);
+    EXPECT_EQ(Only(verification).verified, kPoses - 2);
+    EXPECT_EQ(Only(verification).cut_off, 2u);
+    EXPECT_THAT(ToText(verification),
+                HasSubstr("2 more at its end answer poses after the end of the recording"));
+  };
   Record({.poses_lost = {kPoses - 1, kPoses}}, file_);
-  EXPECT_FALSE(Verify({file_}, {}).good()) << "a recording that has its end lacks no pose";
-  const Verification verification = CutOff();
-  EXPECT_TRUE(verification.good()) << ToText(verification);
-  EXPECT_EQ(Only(verification).verified, kPoses - 2);
-  EXPECT_EQ(Only(verification).cut_off, 2u);
-  EXPECT_THAT(ToText(verification),
-              HasSubstr("2 more at its end answer poses after the end of the recording"));
+  EXPECT_FALSE(Verify({file_}, {}).good()) << "what has its session's end lacks no pose";
+  expect_left_out(CutOff());
+  // Its recorder was told to end while the hand went on.
+  std::filesystem::remove(file_);
+  Record({.poses_lost = {kPoses - 1, kPoses}, .goes_on = true}, file_);
+  expect_left_out(Verify({file_}, {}));
 }
 
 TEST_F(VerifyTest, RefusesWhatHasChangedOnTheDisk) {
