@@ -72,12 +72,11 @@ int Run(const ReplayOptions& options) {
     }
     case ReplayOptions::What::kExport: {
       StopSignal stop;
-      Export(options.columns, stop);
-      return 0;
-    }
-    case ReplayOptions::What::kExportSolids: {
-      StopSignal stop;
-      ExportSolids(options.solids, stop);
+      if (options.exports_solids) {
+        ExportSolids(options.solids, stop);
+      } else {
+        Export(options.columns, stop);
+      }
       return 0;
     }
     case ReplayOptions::What::kSteps:

@@ -1,7 +1,12 @@
 #include "client/replayer/options.h"
 
+#include <algorithm>
+#include <functional>
+#include <iterator>
 #include <string_view>
 #include <vector>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "common/dds/topics.h"
 #include "common/error.h"
@@ -88,37 +93,162 @@ constexpr const char* kExportExamples =
       what the burs had left after 20 s: cavity/tooth.stl, tooth.ply, and
       caries.palpate, which 'palpate-server ./cavity/caries.palpate' serves)";
 
-}  // namespace
+/// A command beside the replay itself.
+struct Command {
+  CommandLine line;
+  ReplayOptions::What what{};
+  std::function<void()> check = [] {};  ///< takes what was parsed; throws UsageError
+};
 
-std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* argv) {
-  ReplayOptions options;
-  bool verify = false;
+Command AddScore(const CommandLine& app, ReplayOptions& options) {
+  const CommandLine line =
+      app.AddCommand("score", "score a trainee against an expert, per trial and on average");
+  line.Footer(kScoreExamples);
+  line.Add(
+          "expert", options.score.expert,
+          "recording of the expert; or a script of the expert's hand, NAME.path.json, which is run "
+          "in the trials' scene")
+      .Required();
+  line.Add("trials", options.score.trials,
+           "recordings of the trainee; give several, since a single trial predicts little")
+      .Required();
+  line.Add("--station", options.score.stations,
+           "station of the trainee, if a trial's recording has several sessions; NAME/RUN if the "
+           "station has several.  Give it once for all trials, or once per trial")
+      .TypeName("NAME")
+      .OneAtATime();
+  line.Add("--expert-station", options.score.expert_station, "the same for the expert's recording")
+      .TypeName("NAME");
+  line.Add("--criteria", options.score.criteria,
+           "file of criteria ('palpate-replay criteria FILE' writes one to edit), or an exercise");
+  line.AddFlag("--follow", options.score.follow,
+               "the trial is still being recorded: compute along with it, and score it when the "
+               "recording ends, or at Ctrl-C");
+  line.AddFlag(
+      "--join", options.score.join,
+      "all sessions of one station are one trial, with nothing between them; for a station "
+      "that lost its server and connected again");
+  line.Add("--person", options.score.person, "whose trials they are, for the head of the page")
+      .TypeName("NAME");
+  line.Add("--out", options.out, "folder for the report: score.html and its figures");
+  line.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
+  AddEffectsOption(line);
+  return {line, ReplayOptions::What::kScore, [&score = options.score] {
+            if (score.stations.size() > 1 && score.stations.size() != score.trials.size()) {
+              throw UsageError("--station: give it once for all trials, or once per trial");
+            }
+            if (score.follow && score.trials.size() > 1) {
+              throw UsageError("--follow: give only the trial that is being recorded");
+            }
+          }};
+}
 
-  const CommandLine app(kAbout, "palpate-replay",
-                        std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
-  app.Add("files", options.playback.files, "a recording, or its split files in order");
-  const Option verify_option =
+Command AddVerifyExam(const CommandLine& app, ReplayOptions& options) {
+  const CommandLine line =
+      app.AddCommand("verify-exam", "verify all submissions of an exam, and write a certificate");
+  line.Footer(kExamExamples);
+  line.Add("folder", options.sealed.folder, "folder of the course, or a copy of it").Required();
+  line.Add("--key", options.sealed.key, "public key of the course, exam-key.pub.pem").Required();
+  line.Add("--exam", options.sealed.exam,
+           "exam: NAME, or NAME-NUMBER as its roll is named; needed only if there are several");
+  line.Add("--models", options.sealed.verify.models_dir, "folder of meshes, as with --verify");
+  line.Add("--out", options.out, "folder for the certificate: text, JSON and a page to print");
+  line.Add("--json", options.json,
+           "write the certificate as JSON to this file; -: standard output");
+  AddEffectsOption(line);
+  return {line, ReplayOptions::What::kVerifySealed};
+}
+
+Command AddRehearse(const CommandLine& app, ReplayOptions& options) {
+  const CommandLine line = app.AddCommand(
+      "rehearse", "run an exercise with the expert's hand, to see whether it meets the criteria");
+  line.Footer(kRehearseExamples);
+  line.Add("exercise", options.exercise, "NAME.exercise.json").Required();
+  line.Add("--out", options.out, "folder for the report: score.html and its figures");
+  line.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
+  AddEffectsOption(line);
+  return {line, ReplayOptions::What::kRehearse};
+}
+
+Command AddCriteria(const CommandLine& app, ReplayOptions& options) {
+  const CommandLine line = app.AddCommand("criteria", "write a file of criteria for you to edit");
+  line.Footer(kCriteriaExamples);
+  line.Add("file", options.new_criteria, "file to write, FILE.json").Required();
+  line.Add("--scene", options.criteria_of,
+           "scene of the catalogue that burs cut, such as crown; default: criteria for probing");
+  return {line, ReplayOptions::What::kCriteria};
+}
+
+Command AddExport(const CommandLine& app, ReplayOptions& options) {
+  const CommandLine line =
+      app.AddCommand("export",
+                     "export a recording as columns for figures, or what burs left as meshes\n"
+                     "Columns are poses, wrenches, contacts and the limiter's interventions;\n"
+                     "METHODS.md has the text for a paper's methods section.");
+  line.Footer(kExportExamples);
+  line.Add("files", options.columns.files, "a recording, or its split files in order").Required();
+  line.Add("-o,--output", options.columns.folder, "folder to create").Required();
+  const Option solids_option = line.AddFlag(
+      "--solids", options.exports_solids, "export what burs left instead, as STL, PLY and a scene");
+  line.AddText(
+          "--format",
+          [&columns = options.columns](const std::string& text) {
+            columns.format = ParseColumnFormat(text);
+          },
+          "csv, or npy: NumPy arrays with named fields")
+      .Excludes(solids_option)
+      .ShowDefault("csv");
+  line.Add("--at", options.solids.at_s,
+           "with --solids: time of the recording, in seconds; default: its end")
+      .NotNegative()
+      .Needs(solids_option);
+  line.Add("--models", options.solids.models_dir,
+           "with --solids: folder of meshes, as with --verify")
+      .Needs(solids_option);
+  return {line, ReplayOptions::What::kExport, [&options] {
+            options.solids.files = options.columns.files;
+            options.solids.folder = options.columns.folder;
+          }};
+}
+
+Command AddSteps(const CommandLine& app, ReplayOptions& options) {
+  const CommandLine line =
+      app.AddCommand("steps", "step a scene along poses of your own, and record it as a session");
+  line.Footer(kStepsExamples);
+  line.Add("poses", options.steps.poses,
+           "CSV file, a row a millisecond: x,y,z or x,y,z,qw,qx,qy,qz of the haptic tool, in m")
+      .Required();
+  line.Add("--scene", options.steps.scene, "scene, as palpate-server takes it").Required();
+  line.Add("--tool", options.steps.tool, "needed only if the scene has several");
+  line.Add("--models", options.steps.models_dir, "folder of meshes, as with --verify");
+  line.Add("-o,--output", options.steps.file, "recording to write, FILE.mcap").Required();
+  AddEffectsOption(line);
+  return {line, ReplayOptions::What::kSteps};
+}
+
+void AddVerify(const CommandLine& app, ReplayOptions& options, bool& verify) {
+  const Option verifies =
       app.AddFlag("--verify", verify, "compute every wrench again and compare all bits");
   app.Add("--scene", options.verify.scene,
           "with --verify: scene to compute with; default: the recorded one, else that of the "
           "catalogue")
-      .Needs(verify_option);
+      .Needs(verifies);
   app.Add("--models", options.verify.models_dir,
           "with --verify: folder of meshes that no package installs; the environment variable "
           "PALPATE_MODELS has the same effect")
-      .Needs(verify_option);
-  const Option json =
-      app.Add("--json", options.json,
-              "with --verify: write the result as JSON to this file; -: standard output");
-  const Option seal_key =
-      app.Add("--key", options.sealed.key,
-              "with --verify: also check the recording's seal with this public key of the course, "
-              "exam-key.pub.pem")
-          .Needs(verify_option);
+      .Needs(verifies);
+  app.Add("--json", options.json,
+          "with --verify: write the result as JSON to this file; -: standard output");
+  app.Add("--key", options.sealed.key,
+          "with --verify: also check the recording's seal with this public key of the course, "
+          "exam-key.pub.pem")
+      .Needs(verifies);
+}
+
+void AddGuide(const CommandLine& app, ReplayOptions& options, bool& no_wait) {
   const Option guide = app.Add("--guide", options.guide.led,
                                "guide the hand at this station along the recorded path")
-                           .Excludes(verify_option);
-  bool no_wait = false;
+                           .Excludes(app.Find("--verify"));
   app.AddFlag("--no-wait", no_wait,
               "with --guide: keep the recorded speed even if the hand falls behind")
       .Needs(guide);
@@ -127,191 +257,48 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
           "NAME/RUN if the station has several")
       .TypeName("NAME")
       .Needs(guide);
+}
+
+void AddPlay(const CommandLine& app, ReplayOptions& options) {
+  const Option verify = app.Find("--verify"), guide = app.Find("--guide");
   app.Add("--rate", options.playback.rate,
           "speed relative to the recording; at most 2 with --guide")
       .Range(0.01, 100.0)
-      .Excludes(verify_option)
+      .Excludes(verify)
       .ShowDefault();
   const Option loop =
-      app.AddFlag("--loop", options.playback.loop, "repeat until Ctrl-C").Excludes(verify_option);
+      app.AddFlag("--loop", options.playback.loop, "repeat until Ctrl-C").Excludes(verify);
   app.AddFlag(
          "--stay", options.play.stays,
          "wait at the end until Ctrl-C, so that viewers can go back; otherwise the replay ends "
          "there unless a viewer has steered it")
-      .Excludes(verify_option)
+      .Excludes(verify)
       .Excludes(guide)
       .Excludes(loop);
   app.AddFlag("--locked", options.play.locked,
               "viewers may watch but not steer: no pause, seek or bookmarks")
-      .Excludes(verify_option)
+      .Excludes(verify)
       .Excludes(guide);
   app.AddFlag("--step", options.play.stepping, "begin paused: space resumes, the right arrow steps")
-      .Excludes(verify_option)
+      .Excludes(verify)
       .Excludes(guide);
   app.Add("--from", options.playback.from_s,
           "begin at this time of the recording, in seconds (with --guide: of the hand's path)")
       .NotNegative()
-      .Excludes(verify_option);
+      .Excludes(verify);
   app.Add("--to", options.playback.to_s, "end at this time, in seconds")
       .Positive()
-      .Excludes(verify_option);
-  AddEffectsOption(app);
-  AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
-  AddCommonOptions(app, "number of the domain: the same as that of the viewers and stations",
-                   options.playback.domain, options.log_level);
-  const CommandLine score =
-      app.AddCommand("score", "score a trainee against an expert, per trial and on average");
-  score.Footer(kScoreExamples);
-  score
-      .Add(
-          "expert", options.score.expert,
-          "recording of the expert; or a script of the expert's hand, NAME.path.json, which is run "
-          "in the trials' scene")
-      .Required();
-  score
-      .Add("trials", options.score.trials,
-           "recordings of the trainee; give several, since a single trial predicts little")
-      .Required();
-  score
-      .Add("--station", options.score.stations,
-           "station of the trainee, if a trial's recording has several sessions; NAME/RUN if the "
-           "station has several.  Give it once for all trials, or once per trial")
-      .TypeName("NAME")
-      .OneAtATime();
-  score.Add("--expert-station", options.score.expert_station, "the same for the expert's recording")
-      .TypeName("NAME");
-  score.Add("--criteria", options.score.criteria,
-            "file of criteria ('palpate-replay criteria FILE' writes one to edit), or an exercise");
-  score.AddFlag("--follow", options.score.follow,
-                "the trial is still being recorded: compute along with it, and score it when the "
-                "recording ends, or at Ctrl-C");
-  score.AddFlag(
-      "--join", options.score.join,
-      "all sessions of one station are one trial, with nothing between them; for a station "
-      "that lost its server and connected again");
-  score.Add("--person", options.score.person, "whose trials they are, for the head of the page")
-      .TypeName("NAME");
-  score.Add("--out", options.out, "folder for the report: score.html and its figures");
-  score.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
+      .Excludes(verify);
+}
 
-  const CommandLine exam =
-      app.AddCommand("verify-exam", "verify all submissions of an exam, and write a certificate");
-  exam.Footer(kExamExamples);
-  exam.Add("folder", options.sealed.folder, "folder of the course, or a copy of it").Required();
-  exam.Add("--key", options.sealed.key, "public key of the course, exam-key.pub.pem").Required();
-  exam.Add("--exam", options.sealed.exam,
-           "exam: NAME, or NAME-NUMBER as its roll is named; needed only if there are several");
-  exam.Add("--models", options.sealed.verify.models_dir, "folder of meshes, as with --verify");
-  exam.Add("--out", options.out, "folder for the certificate: text, JSON and a page to print");
-  exam.Add("--json", options.json,
-           "write the certificate as JSON to this file; -: standard output");
-
-  const CommandLine rehearse = app.AddCommand(
-      "rehearse", "run an exercise with the expert's hand, to see whether it meets the criteria");
-  rehearse.Footer(kRehearseExamples);
-  rehearse.Add("exercise", options.exercise, "NAME.exercise.json").Required();
-  rehearse.Add("--out", options.out, "folder for the report: score.html and its figures");
-  rehearse.Add("--json", options.json, "write the score as JSON to this file; -: standard output");
-
-  const CommandLine criteria =
-      app.AddCommand("criteria", "write a file of criteria for you to edit");
-  criteria.Footer(kCriteriaExamples);
-  criteria.Add("file", options.new_criteria, "file to write, FILE.json").Required();
-  criteria.Add(
-      "--scene", options.criteria_of,
-      "scene of the catalogue that burs cut, such as crown; default: criteria for probing");
-
-  std::string format = "csv";
-  const CommandLine columns =
-      app.AddCommand("export",
-                     "export a recording as columns for figures, or what burs left as meshes\n"
-                     "Columns are poses, wrenches, contacts and the limiter's interventions;\n"
-                     "METHODS.md has the text for a paper's methods section.");
-  columns.Footer(kExportExamples);
-  columns.Add("files", options.columns.files, "a recording, or its split files in order")
-      .Required();
-  columns.Add("-o,--output", options.columns.folder, "folder to create").Required();
-  bool solids = false;
-  const Option solids_option =
-      columns.AddFlag("--solids", solids, "export what burs left instead, as STL, PLY and a scene");
-  columns.Add("--format", format, "csv, or npy: NumPy arrays with named fields")
-      .Excludes(solids_option)
-      .ShowDefault();
-  columns
-      .Add("--at", options.solids.at_s,
-           "with --solids: time of the recording, in seconds; default: its end")
-      .NotNegative()
-      .Needs(solids_option);
-  columns
-      .Add("--models", options.solids.models_dir,
-           "with --solids: folder of meshes, as with --verify")
-      .Needs(solids_option);
-
-  const CommandLine steps =
-      app.AddCommand("steps", "step a scene along poses of your own, and record it as a session");
-  steps.Footer(kStepsExamples);
-  steps
-      .Add("poses", options.steps.poses,
-           "CSV file, a row a millisecond: x,y,z or x,y,z,qw,qx,qy,qz of the haptic tool, in m")
-      .Required();
-  steps.Add("--scene", options.steps.scene, "scene, as palpate-server takes it").Required();
-  steps.Add("--tool", options.steps.tool, "needed only if the scene has several");
-  steps.Add("--models", options.steps.models_dir, "folder of meshes, as with --verify");
-  steps.Add("-o,--output", options.steps.file, "recording to write, FILE.mcap").Required();
-
-  for (const CommandLine& command : {score, exam, rehearse, steps}) AddEffectsOption(command);
-  // "verify FILE", like the commands; a recording of that name is ./verify.
-  std::vector<const char*> words(argv, argv + argc);
-  if (argc > 1 && std::string_view(words[1]) == "verify") words[1] = "--verify";
-  if (!ParseCommandLine(app, argc, words.data())) return std::nullopt;
-  options.guide.waits = !no_wait;
-
-  if (columns.given()) {
-    if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError("export takes no options of a replay; see 'palpate-replay export --help'");
-    }
-    options.columns.format = ParseColumnFormat(format);
-    options.solids.files = options.columns.files;
-    options.solids.folder = options.columns.folder;
-    options.what = solids ? ReplayOptions::What::kExportSolids : ReplayOptions::What::kExport;
-    return options;
-  }
-  if (steps.given()) {
-    if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError("steps takes no options of a replay; see 'palpate-replay steps --help'");
-    }
-    options.what = ReplayOptions::What::kSteps;
-    return options;
-  }
-  if (exam.given()) {
-    if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError(
-          "verify-exam takes no options of a replay; see 'palpate-replay verify-exam --help'");
-    }
-    options.what = ReplayOptions::What::kVerifySealed;
-    return options;
-  }
-  if (score.given() || criteria.given() || rehearse.given()) {
-    if (!options.playback.files.empty() || verify || guide.given()) {
-      throw UsageError("score takes no options of a replay; see 'palpate-replay score --help'");
-    }
-    const std::size_t stations = options.score.stations.size();
-    if (stations > 1 && stations != options.score.trials.size()) {
-      throw UsageError("--station: give it once for all trials, or once per trial");
-    }
-    if (options.score.follow && options.score.trials.size() > 1) {
-      throw UsageError("--follow: give only the trial that is being recorded");
-    }
-    options.what = score.given()      ? ReplayOptions::What::kScore
-                   : rehearse.given() ? ReplayOptions::What::kRehearse
-                                      : ReplayOptions::What::kCriteria;
-    return options;
-  }
+/// Takes what was parsed of a replay.  Throws UsageError.
+void CheckReplay(const CommandLine& app, ReplayOptions& options) {
   if (options.playback.files.empty()) {
     throw UsageError("a recording is missing; 'palpate-replay --help' shows how");
   }
+  const bool verify = app.Find("--verify").given();
   if (verify) options.what = ReplayOptions::What::kVerify;
-  if (seal_key.given()) {
+  if (app.Find("--key").given()) {
     if (options.playback.files.size() != 1) {
       throw UsageError("--key: a sealed recording is a single file; give one file only");
     }
@@ -319,7 +306,7 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
     options.sealed.recording = options.playback.files.front();
     options.sealed.verify = options.verify;
   }
-  if (json.given() && !verify)
+  if (app.Find("--json").given() && !verify)
     throw UsageError("--json needs --verify; add it, or use a command such as score");
   if (!options.guide.led.empty()) {
     options.what = ReplayOptions::What::kGuide;
@@ -335,6 +322,44 @@ std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* arg
   if (!(options.playback.to_s > options.playback.from_s)) {
     throw UsageError("--to must be later than --from");
   }
+}
+
+}  // namespace
+
+std::optional<ReplayOptions> ParseReplayOptions(int argc, const char* const* argv) {
+  ReplayOptions options;
+  bool verify = false, no_wait = false;
+  const CommandLine app(kAbout, "palpate-replay",
+                        std::string(kExamples) + "\n\n" + Keyboard::kHelp + "\n\n" + kStatus);
+  app.Add("files", options.playback.files, "a recording, or its split files in order");
+  AddVerify(app, options, verify);
+  AddGuide(app, options, no_wait);
+  AddPlay(app, options);
+  AddEffectsOption(app);
+  AddNetworkOptions(app, "a viewer or the guided station", options.playback.network);
+  AddCommonOptions(app, "number of the domain: the same as that of the viewers and stations",
+                   options.playback.domain, options.log_level);
+  const Command commands[] = {AddScore(app, options),    AddVerifyExam(app, options),
+                              AddRehearse(app, options), AddCriteria(app, options),
+                              AddExport(app, options),   AddSteps(app, options)};
+  // "verify FILE", like the commands; a recording of that name is ./verify.
+  std::vector<const char*> words(argv, argv + argc);
+  if (argc > 1 && std::string_view(words[1]) == "verify") words[1] = "--verify";
+  if (!ParseCommandLine(app, argc, words.data())) return std::nullopt;
+  options.guide.waits = !no_wait;
+
+  const auto given =
+      std::ranges::find_if(commands, [](const Command& c) { return c.line.given(); });
+  if (given == std::end(commands)) {
+    CheckReplay(app, options);
+    return options;
+  }
+  if (!options.playback.files.empty() || verify || app.Find("--guide").given()) {
+    throw UsageError(fmt::format(
+        "{0} takes no options of a replay; see 'palpate-replay {0} --help'", given->line.name()));
+  }
+  options.what = given->what;
+  given->check();
   return options;
 }
 

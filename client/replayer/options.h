@@ -25,7 +25,6 @@ struct ReplayOptions {
     kRehearse,
     kCriteria,
     kExport,
-    kExportSolids,
     kSteps
   };
   What what = What::kPlay;
@@ -40,7 +39,8 @@ struct ReplayOptions {
   std::string exercise;      ///< file of kRehearse
   std::string new_criteria;  ///< file that kCriteria writes
   std::string criteria_of;   ///< scene of kCriteria; empty: periodontal probing
-  ExportOptions columns;
+  ExportOptions columns;     ///< of kExport, unless it exports solids
+  bool exports_solids = false;
   SolidExportOptions solids;
   StepsOptions steps;
 

@@ -38,8 +38,10 @@ TEST(ReplayOptions, VerifyGuideAndScore) {
 
 TEST(ReplayOptions, ExportColumnsOrWhatBursLeft) {
   EXPECT_EQ(Parse({"export", "a.mcap", "-o", "out"})->what, What::kExport);
+  EXPECT_FALSE(Parse({"export", "a.mcap", "-o", "out"})->exports_solids);
   const auto solids = Parse({"export", "a.mcap", "-o", "out", "--solids", "--at", "20"});
-  EXPECT_EQ(solids->what, What::kExportSolids);
+  EXPECT_EQ(solids->what, What::kExport);
+  EXPECT_TRUE(solids->exports_solids);
   EXPECT_THAT(solids->solids.files, ElementsAre("a.mcap"));
   EXPECT_EQ(solids->solids.folder, "out");
   EXPECT_EQ(solids->solids.at_s, 20.0);
