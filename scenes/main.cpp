@@ -247,6 +247,107 @@ void AddToleranceOptions(const CommandLine& app, std::optional<LeafTolerance>& l
       .Excludes(um);
 }
 
+/// Adds a command about a scene or a mesh, with what all of these have.
+CommandLine AddSceneCommand(const CommandLine& app, Arguments& arguments, const char* name,
+                            const char* help, const std::string& scene_help,
+                            const std::string& example) {
+  const CommandLine command = app.AddCommand(name, help);
+  command.Footer("Example: palpate-scene " + std::string(name) + " " + example);
+  command.Add("NAME", arguments.scene, scene_help).Required();
+  command.AddFlag("--rebuild", arguments.rebuild, "build the scene again, without using the cache");
+  return command;
+}
+
+std::string SceneHelp() {
+  return "scene: a file, or one of " + Joined(CatalogueNames());
+}
+
+void AddBuild(const CommandLine& app, Arguments& arguments) {
+  const CommandLine build =
+      AddSceneCommand(app, arguments, "build", "build a scene into the cache, and into a bundle",
+                      SceneHelp(), "bunny-bunny -o bunny.palpate");
+  build.Add("-o,--output", arguments.output, "bundle to write (.palpate)");
+  build
+      .Add("--mode", arguments.mode,
+           "how the leaves of all trees approximate their meshes; overrides the scene file, except "
+           "for trees read from a .sph file")
+      .OneOf({kTreeModes.begin(), kTreeModes.end()});
+  AddToleranceOptions(build, arguments.leaves);
+  build.Run([&] { Build(arguments); });
+}
+
+void AddInfo(const CommandLine& app, Arguments& arguments) {
+  const CommandLine info =
+      AddSceneCommand(app, arguments, "info",
+                      "print features, bodies, materials, sizes, hash and tree errors of a scene\n"
+                      "Tree errors are the distances of each level of each tree from its mesh.",
+                      SceneHelp(), "bunny-bunny --csv levels.csv");
+  info.Add("--samples", arguments.info.samples, "number of sample points on each surface")
+      .Range(std::size_t{100}, std::size_t{10'000'000})
+      .ShowDefault();
+  info.Add("--csv", arguments.info.csv,
+           "write the tree errors to this file, one line per level; -: standard output");
+  info.Add("--json", arguments.info.json,
+           "write the tree errors to this file as one JSON object; -: standard output");
+  info.Run([&] { Info(arguments); });
+}
+
+void AddCheck(const CommandLine& app, Arguments& arguments) {
+  AddSceneCommand(app, arguments, "check",
+                  "check meshes, and how well the spheres cover them; ends with a verdict",
+                  SceneHelp() + "; or a mesh file", "tooth.stl")
+      .Run([&] { Check(arguments); });
+}
+
+void AddRender(const CommandLine& app, Arguments& arguments) {
+  const CommandLine render =
+      AddSceneCommand(app, arguments, "render", "draw mesh and spheres of every level as a PNG",
+                      SceneHelp(), "bunny-bunny --error -o error.png");
+  render.Add("-o,--output", arguments.output, "picture to write (.png)").Required();
+  render.Add("--level", arguments.level, "draw only this level, counted from 1");
+  render.AddFlag(
+      "--error", arguments.error,
+      "draw the distance of the spheres of a body's last levels from its mesh, as colours");
+  render.Add("--body", arguments.body,
+             "with --error: name of a tool or object; default: the first object");
+  render.AddFlag("--whole", arguments.whole, "draw the whole scene instead of its bodies");
+  render.Run([&] { Render(arguments); });
+}
+
+void AddNew(const CommandLine& app, Arguments& arguments) {
+  const CommandLine make =
+      AddSceneCommand(app, arguments, "new",
+                      "write a scene file for a mesh, with a ball as the tool, for you to edit",
+                      "mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
+  make.Add("-o,--output", arguments.output, "scene file to write (.json)").Required();
+  AddMeshOptions(make, arguments.mesh);
+  make.Run([&] { New(arguments); });
+}
+
+void AddExport(const CommandLine& app, Arguments& arguments) {
+  const CommandLine export_tree = AddSceneCommand(
+      app, arguments, "export",
+      "write the sphere tree of a body, in the body's frame, for other programs\n"
+      "  .sph  format of the Sphere-Tree Construction Toolkit: \"levels degree\", then\n"
+      "        one line 'x y z radius importance' per slot, breadth first; radius -1:\n"
+      "        unused.  A root is added, so that level N here is level N + 1 there.  A\n"
+      "        scene file reads it as \"tree\": {\"file\": ...}\n"
+      "  .ply  the spheres of a level as small coloured icospheres, binary\n"
+      "  .glb  the same as glTF, in metres",
+      SceneHelp(), "bunny-bunny -o bunny.sph --unit mm");
+  export_tree.Add("-o,--output", arguments.output, "file to write (.sph, .ply or .glb)").Required();
+  export_tree.Add("--body", arguments.body, "name of a tool or object; default: the first object");
+  export_tree.Add(
+      "--level", arguments.level,
+      "level, counted from 1, the coarsest, as by info.  .ply, .glb: the level to write; "
+      "default: the leaves.  .sph: the last level to write; default: all");
+  export_tree
+      .Add("--unit", arguments.unit,
+           "unit of a .sph or .ply; default: mm (a .sph has six decimals)")
+      .OneOf({kUnits.begin(), kUnits.end()});
+  export_tree.Run([&] { Export(arguments); });
+}
+
 int Main(int argc, char** argv) {
   const CommandLine app(
       "Compiles scenes: reads meshes, builds their sphere trees, and caches the result\n"
@@ -270,90 +371,18 @@ int Main(int argc, char** argv) {
   AddEffectsOption(app);
   AddCommonOptions(app, "accepted for consistency, but not used: this program does not communicate",
                    arguments.domain, arguments.log_level);
+  app.BeforeCommands([&] { SetUpLog("palpate-scene", arguments.log_level); });
 
-  const std::string names = Joined(CatalogueNames());
-  const auto add = [&](const char* command, const char* help, const std::string& scene_help,
-                       const char* arguments_of_example) {
-    const CommandLine sub = app.AddCommand(command, help);
-    sub.Footer("Example: palpate-scene " + std::string(command) + " " + arguments_of_example);
-    sub.Add("NAME", arguments.scene, scene_help).Required();
-    sub.AddFlag("--rebuild", arguments.rebuild, "build the scene again, without using the cache");
-    return sub;
-  };
-  const std::string scene_help = "scene: a file, or one of " + names;
-  const CommandLine build = add("build", "build a scene into the cache, and into a bundle",
-                                scene_help, "bunny-bunny -o bunny.palpate");
-  build.Add("-o,--output", arguments.output, "bundle to write (.palpate)");
-  build
-      .Add("--mode", arguments.mode,
-           "how the leaves of all trees approximate their meshes; overrides the scene file, except "
-           "for trees read from a .sph file")
-      .OneOf({kTreeModes.begin(), kTreeModes.end()});
-  AddToleranceOptions(build, arguments.leaves);
-  const CommandLine info =
-      add("info",
-          "print features, bodies, materials, sizes, hash and tree errors of a scene\n"
-          "Tree errors are the distances of each level of each tree from its mesh.",
-          scene_help, "bunny-bunny --csv levels.csv");
-  info.Add("--samples", arguments.info.samples, "number of sample points on each surface")
-      .Range(std::size_t{100}, std::size_t{10'000'000})
-      .ShowDefault();
-  info.Add("--csv", arguments.info.csv,
-           "write the tree errors to this file, one line per level; -: standard output");
-  info.Add("--json", arguments.info.json,
-           "write the tree errors to this file as one JSON object; -: standard output");
-  const CommandLine check =
-      add("check", "check meshes, and how well the spheres cover them; ends with a verdict",
-          scene_help + "; or a mesh file", "tooth.stl");
-  const CommandLine render = add("render", "draw mesh and spheres of every level as a PNG",
-                                 scene_help, "bunny-bunny --error -o error.png");
-  render.Add("-o,--output", arguments.output, "picture to write (.png)").Required();
-  render.Add("--level", arguments.level, "draw only this level, counted from 1");
-  render.AddFlag(
-      "--error", arguments.error,
-      "draw the distance of the spheres of a body's last levels from its mesh, as colours");
-  render.Add("--body", arguments.body,
-             "with --error: name of a tool or object; default: the first object");
-  const CommandLine make =
-      add("new", "write a scene file for a mesh, with a ball as the tool, for you to edit",
-          "mesh: OBJ, STL, PLY, 3DS or glTF", "tooth.stl -o tooth.json");
-  make.Add("-o,--output", arguments.output, "scene file to write (.json)").Required();
-  AddMeshOptions(make, arguments.mesh);
-  render.AddFlag("--whole", arguments.whole, "draw the whole scene instead of its bodies");
-
-  const CommandLine export_tree =
-      add("export",
-          "write the sphere tree of a body, in the body's frame, for other programs\n"
-          "  .sph  format of the Sphere-Tree Construction Toolkit: \"levels degree\", then\n"
-          "        one line 'x y z radius importance' per slot, breadth first; radius -1:\n"
-          "        unused.  A root is added, so that level N here is level N + 1 there.  A\n"
-          "        scene file reads it as \"tree\": {\"file\": ...}\n"
-          "  .ply  the spheres of a level as small coloured icospheres, binary\n"
-          "  .glb  the same as glTF, in metres",
-          scene_help, "bunny-bunny -o bunny.sph --unit mm");
-  export_tree.Add("-o,--output", arguments.output, "file to write (.sph, .ply or .glb)").Required();
-  export_tree.Add("--body", arguments.body, "name of a tool or object; default: the first object");
-  export_tree.Add(
-      "--level", arguments.level,
-      "level, counted from 1, the coarsest, as by info.  .ply, .glb: the level to write; "
-      "default: the leaves.  .sph: the last level to write; default: all");
-  export_tree
-      .Add("--unit", arguments.unit,
-           "unit of a .sph or .ply; default: mm (a .sph has six decimals)")
-      .OneOf({kUnits.begin(), kUnits.end()});
-
+  AddBuild(app, arguments);
+  AddInfo(app, arguments);
+  AddCheck(app, arguments);
+  AddRender(app, arguments);
+  AddNew(app, arguments);
+  AddExport(app, arguments);
   const CommandLine list = app.AddCommand("list", "list the scenes of the catalogue");
   list.Footer("Example: palpate-scene list");
-
-  if (!ParseCommandLine(app, argc, argv)) return 0;
-  SetUpLog("palpate-scene", arguments.log_level);
-  if (list.given()) List();
-  if (build.given()) Build(arguments);
-  if (info.given()) Info(arguments);
-  if (check.given()) Check(arguments);
-  if (render.given()) Render(arguments);
-  if (make.given()) New(arguments);
-  if (export_tree.given()) Export(arguments);
+  list.Run(List);
+  ParseCommandLine(app, argc, argv);
   return 0;
 }
 

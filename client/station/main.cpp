@@ -93,6 +93,144 @@ StationSummary Summarise(const StationOptions& options, const Device& device,
   return summary;
 }
 
+/// A station with its device, from the request for a session to the summary.
+class StationRun {
+ public:
+  /// @param options, device, service, stop  must outlive this.
+  StationRun(const StationOptions& options, Device& device, const dds::Participant& service,
+             StopSignal& stop)
+      : options_(options),
+        device_(device),
+        stop_(stop),
+        core_(device, options.max_force_N),
+        forces_(options.enable_forces || device.info().simulated),
+        table_(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr),
+        trace_(options.trace.empty() ? nullptr : std::make_unique<Trace>(options.trace)),
+        link_(
+            options.link, replies_, [this]() -> ServoThread& { return MakeServo(); },
+            [this](const std::string& event) {
+              table_.Erase();
+              spdlog::info(event);
+            }),
+        statistics_(service, dds::kStationStatisticsTopic, dds::Qos::kStream),
+        period_(options.link.station, device.info().model) {
+    if (options.accept_guide) guide_.emplace(service, options.link.station);
+  }
+
+  /// Says what the device, the transport and this host give.
+  void Introduce() const {
+    spdlog::info("device: {}", device_.info().model);
+    if (device_.info().torque_axes == 0) {
+      spdlog::warn("this device renders no torque: the scene's torques are not felt");
+    }
+    const WrenchLimits::Bounds limits = LimitsOf(device_, core_);
+    spdlog::info(
+        "limits: {:.2f} N and {:.3f} N m, once the motors are warm {:.2f} N and {:.3f} N m",
+        limits.force_N, limits.torque_Nm, limits.continuous_force_N, limits.continuous_torque_Nm);
+    spdlog::info("transport: {}", link_.transport().reason);
+    spdlog::info("real-time: {}", link_.realtime().summary);
+    if (!forces_) {
+      spdlog::info(
+          "forces are off; they are on while the first button is held, or with --enable-forces");
+    }
+  }
+
+  /// Runs until the time is over, the device ends or a signal comes.  Throws Error.
+  void Run() {
+    while (!stop_.WaitFor(kPoll)) {
+      link_.Poll(SteadyNanoseconds());
+      if (const DeviceNews news = device_.Attend(); !news.empty()) {
+        table_.Erase();
+        if (!news.faults.empty()) spdlog::warn("device: {}", news.faults);
+        if (!news.notes.empty()) spdlog::info("device: {}", news.notes);
+      }
+      if (guide_) guide_->Poll([&](const GuideAim& aim) { servo_->SetAim(aim); });
+      if (!has_begun() && servo_->started()) began_ns_ = SteadyNanoseconds();
+      if (device_.ended()) {
+        spdlog::info("the device has ended: ending the session");
+        return;
+      }
+      if (options_.seconds && seconds() >= *options_.seconds) return;
+      if (std::string now = link_.PhaseText(); now != view_.phase) {
+        view_.phase = std::move(now);
+        spdlog::debug("session: {}", view_.phase);
+      }
+      if (!servo_->ReadSnapshot(view_.snapshot)) continue;
+      view_.seconds = seconds();
+      TellOfMotors(view_.snapshot.limiter);
+      table_.Show(view_);
+      TellStatistics(view_.snapshot, false);
+    }
+  }
+  /// Whether the loop has run: there is something to summarise.
+  bool has_begun() const { return began_ns_ != 0; }
+
+  /// Stops the loop, and prints the summary.
+  void Finish() {
+    const double ran_s = seconds();
+    servo_->Stop();
+    if (servo_->ReadSnapshot(view_.snapshot)) TellStatistics(view_.snapshot, false);
+    const StationSnapshot end = core_.TakeSnapshot(SteadyNanoseconds());
+    if (has_begun()) TellStatistics(end, true);
+    const StationSummary summary = Summarise(options_, device_, core_, link_, *servo_, end, ran_s);
+    if (options_.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
+    if (!options_.json.empty()) WriteJson(summary, options_.json);
+    std::fflush(stdout);
+    if (!trace_) return;
+    trace_->Close();
+    if (trace_->dropped() > 0) {
+      spdlog::warn("--trace {}: {} ticks are missing, because the disk was too slow",
+                   options_.trace, trace_->dropped());
+    }
+  }
+
+ private:
+  ServoThread& MakeServo() {
+    // The core is the thread's from then on.
+    core_.EnableForces(forces_);
+    core_.EnableLocalModel(options_.local_model);
+    if (options_.accept_guide) core_.AcceptGuide(GuideLimits::OfForce(options_.guide_force_N));
+    servo_ = std::make_unique<ServoThread>(core_, replies_, table_.period_s(), trace_.get());
+    servo_->LoseForceBy(stop_);
+    if (!forces_) servo_->EnableForcesByButton();
+    return *servo_;
+  }
+  /// --seconds counts the loop's time, which begins with the first pose.
+  double seconds() const {
+    return has_begun() ? 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns_) : 0.0;
+  }
+  void TellStatistics(const StationSnapshot& snapshot, bool last) {
+    const auto figures = period_.Add(snapshot, servo_->missed_ticks(), link_.run(), last);
+    if (figures) statistics_.Write(*figures);
+  }
+  void TellOfMotors(const LimiterCounts& counts) {
+    const std::string remark = TemperatureRemark(counts);
+    if (remark == told_of_motors_ || device_.info().simulated) return;
+    table_.Erase();
+    const bool odd = counts.too_hot + counts.too_cold > 0;
+    spdlog::log(odd ? spdlog::level::warn : spdlog::level::info, "device: {}", remark);
+    told_of_motors_ = remark;
+  }
+
+  const StationOptions& options_;
+  Device& device_;
+  StopSignal& stop_;
+  StationCore core_;
+  const bool forces_;  // not by the device's button
+  LiveTable table_;
+  ReplyRing replies_;
+  // Before the servo thread: its own must not inherit the loop's scheduling.
+  std::unique_ptr<Trace> trace_;
+  std::unique_ptr<ServoThread> servo_;  // link_ makes it
+  SessionLink link_;
+  std::optional<GuideLink> guide_;
+  dds::Writer<wire::StationStatistics> statistics_;
+  StatisticsPeriod period_;
+  std::int64_t began_ns_ = 0;
+  StationView view_;
+  std::string told_of_motors_;
+};
+
 /// Runs a station until its time is over or a signal comes, and prints its summary.  Throws Error;
 /// if the loop has run, only after printing the summary.
 int RunStation(const StationOptions& given) {
@@ -114,121 +252,16 @@ int RunStation(const StationOptions& given) {
   options.link.scene = tool.scene;  // the user may have named its file
 
   const std::unique_ptr<Device> device = OpenDevice(std::move(device_options), tool);
-  StationCore core(*device, options.max_force_N);
-  const bool forces = options.enable_forces || device->info().simulated;
-  core.EnableForces(forces);
-  core.EnableLocalModel(options.local_model);
-  if (options.accept_guide) core.AcceptGuide(GuideLimits::OfForce(options.guide_force_N));
-
-  LiveTable table(stdout, StyleOf(options), std::getenv("NO_COLOR") == nullptr);
-  ReplyRing replies;
-  // Made first: its thread must not inherit the loop's scheduling.
-  std::unique_ptr<Trace> trace;
-  if (!options.trace.empty()) trace = std::make_unique<Trace>(options.trace);
-  std::unique_ptr<ServoThread> servo;
-  SessionLink link(
-      options.link, replies,
-      [&]() -> ServoThread& {
-        servo = std::make_unique<ServoThread>(core, replies, table.period_s(), trace.get());
-        servo->LoseForceBy(stop);
-        if (!forces) servo->EnableForcesByButton();
-        return *servo;
-      },
-      [&](const std::string& event) {
-        table.Erase();
-        spdlog::info(event);
-      });
-  spdlog::info("device: {}", device->info().model);
-  if (device->info().torque_axes == 0) {
-    spdlog::warn("this device renders no torque: the scene's torques are not felt");
-  }
-  const WrenchLimits::Bounds limits = LimitsOf(*device, core);
-  spdlog::info("limits: {:.2f} N and {:.3f} N m, once the motors are warm {:.2f} N and {:.3f} N m",
-               limits.force_N, limits.torque_Nm, limits.continuous_force_N,
-               limits.continuous_torque_Nm);
-  spdlog::info("transport: {}", link.transport().reason);
-  spdlog::info("real-time: {}", link.realtime().summary);
-  if (!forces) {
-    spdlog::info(
-        "forces are off; they are on while the first button is held, or with --enable-forces");
-  }
-
-  std::optional<GuideLink> guide;
-  if (options.accept_guide) guide.emplace(service, options.link.station);
-
-  dds::Writer<wire::StationStatistics> statistics(service, dds::kStationStatisticsTopic,
-                                                  dds::Qos::kStream);
-  StatisticsPeriod period(options.link.station, device->info().model);
-  const auto tell_statistics = [&](const StationSnapshot& snapshot, bool last) {
-    const auto figures = period.Add(snapshot, servo->missed_ticks(), link.run(), last);
-    if (figures) statistics.Write(*figures);
-  };
-
-  // --seconds counts the loop's time, which begins with the first pose.
-  std::int64_t began_ns = 0;
-  StationView view;
-  std::string phase;
-  const auto seconds = [&] {
-    return began_ns == 0 ? 0.0 : 1e-9 * static_cast<double>(SteadyNanoseconds() - began_ns);
-  };
-  std::string told_of_motors;
-  const auto tell_of_motors = [&](const LimiterCounts& counts) {
-    const std::string remark = TemperatureRemark(counts);
-    if (remark == told_of_motors || device->info().simulated) return;
-    table.Erase();
-    const bool odd = counts.too_hot + counts.too_cold > 0;
-    spdlog::log(odd ? spdlog::level::warn : spdlog::level::info, "device: {}", remark);
-    told_of_motors = remark;
-  };
+  StationRun run(options, *device, service, stop);
+  run.Introduce();
   std::exception_ptr refused;
   try {
-    while (!stop.WaitFor(kPoll)) {
-      link.Poll(SteadyNanoseconds());
-      if (const DeviceNews news = device->Attend(); !news.empty()) {
-        table.Erase();
-        if (!news.faults.empty()) spdlog::warn("device: {}", news.faults);
-        if (!news.notes.empty()) spdlog::info("device: {}", news.notes);
-      }
-      if (guide) guide->Poll([&](const GuideAim& aim) { servo->SetAim(aim); });
-      if (began_ns == 0 && servo->started()) began_ns = SteadyNanoseconds();
-      if (device->ended()) {
-        spdlog::info("the device has ended: ending the session");
-        break;
-      }
-      if (options.seconds && seconds() >= *options.seconds) break;
-      if (std::string now = link.PhaseText(); now != phase) {
-        phase = std::move(now);
-        spdlog::debug("session: {}", phase);
-      }
-      if (servo->ReadSnapshot(view.snapshot)) {
-        view.seconds = seconds();
-        view.phase = phase;
-        tell_of_motors(view.snapshot.limiter);
-        table.Show(view);
-        tell_statistics(view.snapshot, false);
-      }
-    }
+    run.Run();
   } catch (const Error&) {  // the loop has run: print its summary before rethrowing
-    if (began_ns == 0) throw;
+    if (!run.has_begun()) throw;
     refused = std::current_exception();
   }
-
-  const double ran_s = seconds();
-  servo->Stop();
-  if (servo->ReadSnapshot(view.snapshot)) tell_statistics(view.snapshot, false);
-  const StationSnapshot end = core.TakeSnapshot(SteadyNanoseconds());
-  if (began_ns != 0) tell_statistics(end, true);
-  const StationSummary summary = Summarise(options, *device, core, link, *servo, end, ran_s);
-  if (options.json != "-") std::fputs(("\n" + ToText(summary)).c_str(), stdout);
-  if (!options.json.empty()) WriteJson(summary, options.json);
-  std::fflush(stdout);
-  if (trace) {
-    trace->Close();
-    if (trace->dropped() > 0) {
-      spdlog::warn("--trace {}: {} ticks are missing, because the disk was too slow", options.trace,
-                   trace->dropped());
-    }
-  }
+  run.Finish();
   if (refused) std::rethrow_exception(refused);
   return 0;
 }
