@@ -64,7 +64,9 @@ Material ToMaterial(double static_friction, double dynamic_friction, double stif
 
 }  // namespace
 
-void DefineBodies(py::module_& module, const Prose& prose) {
+namespace {
+
+void DefineBody(py::module_& module) {
   py::class_<Body, std::shared_ptr<Body>>(module, "Body")
       .def_readonly("name", &Body::name)
       .def_readonly("remarks", &Body::remarks)
@@ -117,7 +119,9 @@ void DefineBodies(py::module_& module, const Prose& prose) {
             return ToBytes(alone);
           },
           [](const py::bytes& state) { return std::move(ToScene(state).objects[0]); }));
+}
 
+void DefineMakers(py::module_& module, const Prose& prose) {
   module.def(
       "body",
       [](const std::string& name, const py::object& vertices, const py::object& triangles,
@@ -159,6 +163,13 @@ void DefineBodies(py::module_& module, const Prose& prose) {
         return arrays(MakeEllipsoid(ToVec3(semi_axes, "semi_axes"), triangles));
       },
       py::arg("semi_axes"), py::arg("triangles") = 5120, prose("ellipsoid"));
+}
+
+}  // namespace
+
+void DefineBodies(py::module_& module, const Prose& prose) {
+  DefineBody(module);
+  DefineMakers(module, prose);
   py::class_<Material>(module, "Material")
       .def_readonly("name", &Material::name)
       .def_readonly("stiffness", &Material::stiffness)

@@ -78,7 +78,9 @@ Steps Steps::At(const py::object& at) const {
   return part;
 }
 
-void DefineReports(py::module_& module) {
+namespace {
+
+void DefineReport(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(RowRecord, body, tool_part, object_part, row, object_leaf, point_m, normal,
                        lever_cross_normal_m, offset_m, force_N, friction_N, stiffness_N_per_m,
                        static_friction, dynamic_friction);
@@ -123,6 +125,9 @@ void DefineReports(py::module_& module) {
                 ToDict(*r.parameters));
           },
           [](const py::tuple& state) { return ToReport(state[0], state[1]); }));
+}
+
+void DefineSteps(py::module_& module) {
   py::class_<Steps>(module, "Steps")
       .def_readonly("wrench", &Steps::wrench)
       .def_property_readonly("force", [](const Steps& s) { return AxesOf(s.wrench, 0); })
@@ -183,6 +188,13 @@ void DefineReports(py::module_& module) {
             take(s.parameters, 5);
             return s;
           }));
+}
+
+}  // namespace
+
+void DefineReports(py::module_& module) {
+  DefineReport(module);
+  DefineSteps(module);
 }
 
 }  // namespace palpate

@@ -167,40 +167,7 @@ Held<LiveSession> MakeSession(int domain, const std::string& interface,
   return Held<LiveSession>(new LiveSession(options));
 }
 
-}  // namespace
-
-PYBIND11_MODULE(_live, module) {
-  PYBIND11_NUMPY_DTYPE(ToolRecord, time_s, station, scene, tool_name, pose_sequence, hand, tool,
-                       force_N, torque_Nm, step_time_s, contacts, faults, points, point);
-  PYBIND11_NUMPY_DTYPE(WrenchRecord, time_s, pose_time_s, pose_sequence, answer, force_N, torque_Nm,
-                       tool, step_time_s, contacts, faults);
-  // All modules throw the same error type, palpate.Error.
-  static py::object error = py::module_::import("palpate._physics").attr("Error");
-  error.inc_ref();  // must outlive the interpreter, as the translator may
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) std::rethrow_exception(thrown);
-    } catch (const Error& wrong) {
-      PyErr_SetString(error.ptr(), wrong.what());
-    }
-  });
-  py::register_exception<Silence>(module, "Silence", error);
-  // Messages of DDS go to stderr.
-  SetUpLog("palpate.live", "warn");
-
-  py::class_<Felt>(module, "Felt")
-      .def_property_readonly("force", [](const Felt& f) { return FromVec3(f.applied.force); })
-      .def_property_readonly("torque", [](const Felt& f) { return FromVec3(f.applied.torque); })
-      .def_property_readonly("wanted_force", [](const Felt& f) { return FromVec3(f.wanted.force); })
-      .def_property_readonly("wanted_torque",
-                             [](const Felt& f) { return FromVec3(f.wanted.torque); })
-      .def_property_readonly("hand", [](const Felt& f) { return FromPose(f.X_WH); })
-      .def_property_readonly("twist", [](const Felt& f) { return FromTwist(f.V_WH); })
-      .def_property_readonly("tool", [](const Felt& f) -> py::object {
-        if (!f.sees_tool) return py::none();
-        return FromPose(f.X_WG);
-      });
-
+void DefineStation(py::module_& module) {
   py::class_<LiveStation, Held<LiveStation>>(module, "Station")
       .def(py::init(&MakeStation))
       .def("move",
@@ -240,7 +207,9 @@ PYBIND11_MODULE(_live, module) {
                              })
       .def("news", Here(&LiveStation::TakeNews))
       .def("close", &CloseHere<LiveStation>);
+}
 
+void DefineSession(py::module_& module) {
   py::class_<LiveSession, Held<LiveSession>>(module, "Session")
       .def(py::init(&MakeSession))
       .def("tools",
@@ -269,6 +238,43 @@ PYBIND11_MODULE(_live, module) {
       .def_property_readonly("phases", Here(&LiveSession::phases))
       .def_property_readonly("dropped", Here(&LiveSession::dropped))
       .def("close", &CloseHere<LiveSession>);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_live, module) {
+  PYBIND11_NUMPY_DTYPE(ToolRecord, time_s, station, scene, tool_name, pose_sequence, hand, tool,
+                       force_N, torque_Nm, step_time_s, contacts, faults, points, point);
+  PYBIND11_NUMPY_DTYPE(WrenchRecord, time_s, pose_time_s, pose_sequence, answer, force_N, torque_Nm,
+                       tool, step_time_s, contacts, faults);
+  // All modules throw the same error type, palpate.Error.
+  static py::object error = py::module_::import("palpate._physics").attr("Error");
+  error.inc_ref();  // must outlive the interpreter, as the translator may
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Error& wrong) {
+      PyErr_SetString(error.ptr(), wrong.what());
+    }
+  });
+  py::register_exception<Silence>(module, "Silence", error);
+  // Messages of DDS go to stderr.
+  SetUpLog("palpate.live", "warn");
+
+  py::class_<Felt>(module, "Felt")
+      .def_property_readonly("force", [](const Felt& f) { return FromVec3(f.applied.force); })
+      .def_property_readonly("torque", [](const Felt& f) { return FromVec3(f.applied.torque); })
+      .def_property_readonly("wanted_force", [](const Felt& f) { return FromVec3(f.wanted.force); })
+      .def_property_readonly("wanted_torque",
+                             [](const Felt& f) { return FromVec3(f.wanted.torque); })
+      .def_property_readonly("hand", [](const Felt& f) { return FromPose(f.X_WH); })
+      .def_property_readonly("twist", [](const Felt& f) { return FromTwist(f.V_WH); })
+      .def_property_readonly("tool", [](const Felt& f) -> py::object {
+        if (!f.sees_tool) return py::none();
+        return FromPose(f.X_WG);
+      });
+  DefineStation(module);
+  DefineSession(module);
   module.def("is_forked", &IsForked);
   module.attr("tool_dtype") = py::dtype::of<ToolRecord>();
   module.attr("wrench_dtype") = py::dtype::of<WrenchRecord>();
