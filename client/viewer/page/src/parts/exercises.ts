@@ -123,11 +123,12 @@ export class Exercises {
     return most_N > 0 ? most_N : undefined;
   }
 
-  /// What is to be spared in a scene: by the running trial's exercise, or by all that are done
-  /// there.
+  /// What is to be spared in a scene, or a seat of it: by the running trial's exercise, or by all
+  /// that are done there.
   guardsIn(scene: string): readonly Guard[] {
     const own = this.exercises.find(({name}) => this.runs && name === this.trial?.exercise);
-    const here = this.exercises.filter((one) => this.events.served(one) === scene);
+    const of = scene.replace(/-\d+$/, "");
+    const here = this.exercises.filter((one) => one.scene === scene || one.scene === of);
     const guards = (own ? [own] : here).flatMap(({guards = []}) => guards);
     return guards.filter(({tissue}, i) => guards.findIndex((one) => one.tissue === tissue) === i);
   }
@@ -182,7 +183,8 @@ export class Exercises {
     const begin = press("exercises.begin", () => this.beginShownText());
     begin.title = say("exercises.begin_title");
     begin.className = "begin";
-    begin.disabled = this.events.served(exercise) === "" || this.isBusy;
+    const [scene, seat] = [this.events.served(exercise), this.events.seat()];
+    begin.disabled = scene === "" || (seat !== "" && scene !== seat) || this.isBusy;
     const pictures = exercise.pictures.map(({path, text}) =>
       make(
         "figure",
