@@ -237,6 +237,12 @@ test.each([
         (all) => all.filter((one) => one.getBoundingClientRect().right > innerWidth).length,
       );
     expect(beyond).toBe(0);
+    if (viewport.width < viewport.height) return;
+    // A room reads the figures: what is above them takes one row.
+    const high = async (of: string): Promise<number> =>
+      (await page.locator(of).boundingBox())!.height;
+    expect(await high(".bar")).toBeLessThan(2 * (await high("#audience")));
+    expect(await high("#force")).toBeGreaterThan(1.5 * (await high("#audience")));
   },
 );
 
@@ -262,6 +268,7 @@ test("the list of exercises says where and with what each is done, and a teacher
   gateway.send("/palpate/me", {...me, seat: "another-1"});
   gateway.send("/palpate/exercises", {exercises});
   await reads("#exercises-dialog .list li:nth-child(1)", /another-1/);
+  expect(await page.locator("#exercises-dialog .begin").isDisabled()).toBe(true);
 });
 
 test("student and teacher are told who waits for a score, and what could not be scored or entered", async () => {
