@@ -188,6 +188,12 @@ Exercise LoadExercise(const std::string& file) {
     for (const BodyDescription& of : facts.scene.tools) tools.push_back(of.name);
     tool.Fail("scene '" + facts.scene.name + "' has no such tool; there is: " + Listed(tools));
   }
+  exercise.tools = {exercise.tool};
+  for (const BodyDescription& of : facts.scene.tools) {
+    if (of.name != exercise.tool && Cuts(of) && Cuts(*facts.Find(exercise.tool))) {
+      exercise.tools.push_back(of.name);
+    }
+  }
   if (auto start = root.Find("start")) {
     const std::string word = start->OneOf({"whole", "bookmark", "as_it_is"});
     exercise.start = word == "whole"      ? Exercise::Start::kWhole

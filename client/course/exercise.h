@@ -26,6 +26,7 @@ struct Exercise {
   std::string scene;       ///< a name of the catalogue, or the path of a scene file
   std::string scene_name;  ///< the name under which servers offer it
   std::string tool;
+  std::vector<std::string> tools;  ///< it, and if it cuts, all others of the scene that do
   Start start = Start::kWhole;
   LocalText instruction;
   std::vector<Picture> pictures;

@@ -95,6 +95,7 @@ Json JsonOf(const Exercise& exercise) {
           {"title", JsonOf(exercise.title)},
           {"scene", exercise.scene_name},
           {"tool", exercise.tool},
+          {"tools", exercise.tools},
           {"start", starts[static_cast<int>(exercise.start)]},
           {"instruction", JsonOf(exercise.instruction)},
           {"goal", JsonOf(exercise.goal)},

@@ -340,7 +340,7 @@ std::string Hub::Try(const TrialCommand& command, Viewer& viewer, std::int64_t n
   try {
     switch (command.op) {
       case TrialCommand::Op::kBegin:
-        BeginTrial(command.exercise, viewer, now_ns);
+        BeginTrial(command, viewer, now_ns);
         break;
       case TrialCommand::Op::kStop:
         trials_->End(viewer.id(), kStopped);
@@ -401,7 +401,8 @@ std::vector<std::string> Hub::FreeSeats(std::int64_t person, const std::string& 
   return seats;
 }
 
-void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_ns) {
+void Hub::BeginTrial(const TrialCommand& command, Viewer& viewer, std::int64_t now_ns) {
+  const std::string& name = command.exercise;
   if (const std::string why = RefuseWish(Wish::kTake, viewer, now_ns); !why.empty()) {
     throw Error(why);
   }
@@ -409,6 +410,13 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   if (exercise == nullptr) throw Error("there is no exercise '" + name + "'");
   // Checked before anything changes: a second page must not restore the scene during a trial.
   const std::int64_t person = viewer.holder()->person;
+  // All candidates of an exam have the same.
+  const bool chooses = !command.tool.empty() && !exams_->Sits(person);
+  const std::string& tool = chooses ? command.tool : exercise->tool;
+  if (std::ranges::find(exercise->tools, tool) == exercise->tools.end()) {
+    throw Error("tool '" + tool + "' is not in scene '" + exercise->scene_name +
+                "'; choose one of: " + Joined(exercise->tools));
+  }
   trials_->CheckMayBegin(person);
   std::string seat;
   if (exams_->Sits(person)) {
@@ -421,7 +429,7 @@ void Hub::BeginTrial(const std::string& name, Viewer& viewer, std::int64_t now_n
   } else {
     seat = SeatForPractice(*exercise, viewer);
   }
-  const MouseCommand take{MouseCommand::Op::kTake, seat, exercise->tool, {}};
+  const MouseCommand take{MouseCommand::Op::kTake, seat, tool, {}};
   mice_.Release(viewer.id(), "a trial begins", now_ns);
   if (Resets(*exercise)) {
     AskForWhole(

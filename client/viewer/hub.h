@@ -137,7 +137,7 @@ class Hub {
   void HearOfWhole(const wire::SceneWhole& whole);
   void Tell(const MouseRoom::News& news);
   void Tell(const TrialRoom::News& news);
-  void BeginTrial(const std::string& exercise, Viewer& viewer, std::int64_t now_ns);
+  void BeginTrial(const TrialCommand& command, Viewer& viewer, std::int64_t now_ns);
   /// Returns the seat of a trial that is no exam's.  Throws Error, worded for the person, if they
   /// cannot begin there.
   std::string SeatForPractice(const Exercise& exercise, const Viewer& viewer) const;

@@ -118,8 +118,9 @@ TrialCommand ParseTrialCommand(std::string_view text) {
   command.op = static_cast<TrialCommand::Op>(IndexIn(kTrialOps, json.At("op")));
   switch (command.op) {
     case TrialCommand::Op::kBegin:
-      json.AllowOnly({"op", "exercise"});
+      json.AllowOnly({"op", "exercise", "tool"});
       command.exercise = Name(json.At("exercise"));
+      if (const auto tool = json.Find("tool")) command.tool = Name(*tool);
       break;
     case TrialCommand::Op::kStop:
       json.AllowOnly({"op"});

@@ -60,13 +60,13 @@ std::string_view OperateWishName(wire::OperateWish wish);
 
 /// A command of a person of a course, on the channel /palpate/trial.  Only these
 /// fields are accepted:
-///   {"op": "begin", "exercise": NAME}
+///   {"op": "begin", "exercise": NAME, "tool": NAME}    without a tool: the exercise's
 ///   {"op": "stop"}
 ///   {"op": "submit", "exercise": NAME, "n": NUMBER}    submits it; a running one ends
 struct TrialCommand {
   enum class Op { kBegin, kStop, kSubmit };
   Op op = Op::kStop;
-  std::string exercise;
+  std::string exercise, tool;
   int n = 0;
 };
 TrialCommand ParseTrialCommand(std::string_view json);

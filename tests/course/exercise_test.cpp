@@ -54,11 +54,20 @@ TEST_F(ExerciseTest, IsReadWithItsTextsByLanguageAndTheScenesScriptAsItsExpert) 
   EXPECT_EQ(exercise.title.at("de"), "Leichte Hand");
   EXPECT_EQ(exercise.instruction.at("en"), "Open the tooth.");
   EXPECT_EQ(exercise.scene_name, "caries");
+  EXPECT_THAT(exercise.tools, testing::ElementsAre("bur"));
   EXPECT_EQ(exercise.most_N, 2.0);
   EXPECT_EQ(exercise.most_s, 60.0);
   EXPECT_THAT(exercise.expert, testing::EndsWith("caries.path.json"));
   EXPECT_EQ(exercise.criteria.title, "A light hand");
   EXPECT_EQ(LoadCriteria(file_).criteria.size(), 1u) << "palpate-replay score takes it as it is";
+}
+
+TEST_F(ExerciseTest, MayBeDoneWithEachBurOfItsScene) {
+  const auto shipped = [](const std::string& name) {
+    return LoadExercise(kShipped + "/" + name + kExerciseEnding).tools;
+  };
+  EXPECT_THAT(shipped("cavity-class-1"), testing::ElementsAre("bur", "pear-010", "round-010"));
+  EXPECT_THAT(shipped("light-force"), testing::ElementsAre("probe")) << "which does not cut";
 }
 
 TEST_F(ExerciseTest, NamesFileLineAndFieldOfWhatIsWrong) {

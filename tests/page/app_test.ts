@@ -34,7 +34,7 @@ const kCut: TestScene = {...kCuttable, name: "cut"};
 /// Whose tool is a bur.
 const kDrilled: TestScene = {
   ...kMarked,
-  name: "drilled",
+  name: "drilled-1",
   tools: [{...kTestScene.tools[0]!, burRadius: 0.002}],
 };
 
@@ -331,7 +331,7 @@ test("a bur turns while its pedal is held; its depth is shown and, in practice a
   const guards = [{tissue: "core", within_mm: 1}];
   const exercise = {...kExercise, scene: "drilled", guards};
   gateway.retain("/palpate/exercises", {exercises: [exercise]});
-  await open({unseen: true}, "?scene=drilled");
+  await open({unseen: true}, "?scene=drilled-1");
   await appears("#guard-box");
   expect(await isVisible("#pedal")).toBe(false);
   giveTools();
@@ -353,7 +353,7 @@ test("a bur turns while its pedal is held; its depth is shown and, in practice a
 
   const put = (x: number, y: number): void => {
     const graphic = {p: [x, y, 0], q: [1, 0, 0, 0]} as const;
-    const state = {station: "mouse_1", scene: "drilled", tool: "ball", haptic: graphic, graphic};
+    const state = {station: "mouse_1", scene: "drilled-1", tool: "ball", haptic: graphic, graphic};
     move((poseSequence) =>
       gateway.send("/palpate/tool_state", toolState({...state, poseSequence})),
     );

@@ -237,6 +237,12 @@ test.each([
         (all) => all.filter((one) => one.getBoundingClientRect().right > innerWidth).length,
       );
     expect(beyond).toBe(0);
+    if (viewport.width < viewport.height) return;
+    // A room reads the figures: what is above them takes one row.
+    const high = async (of: string): Promise<number> =>
+      (await page.locator(of).boundingBox())!.height;
+    expect(await high(".bar")).toBeLessThan(2 * (await high("#audience")));
+    expect(await high("#force")).toBeGreaterThan(1.5 * (await high("#audience")));
   },
 );
 
@@ -246,6 +252,7 @@ test("the list of exercises says where and with what each is done, and a teacher
   const graded = [{name: {en: "Nerve untouched"}, points: 25, gates: false, harms: true}];
   const named = (name: string, scene: string): object => ({
     ...{...kExercise, name, scene, graded},
+    tools: [kExercise.tool, "pear-010"],
     serve: `${scene}.json`,
   });
   const exercises = [named("one", kTestScene.name), named("two", "elsewhere")];
@@ -259,9 +266,15 @@ test("the list of exercises says where and with what each is done, and a teacher
   await reads("#exercises-dialog .server p.quiet", "1 of 2 exercises are served now.");
   await reads("#exercises-dialog pre", /palpate-server test-box.json elsewhere.json --seats \d+/);
   await reads("#exercises-dialog .graded", /^Nerve untouched: 25\. Harm:/);
+  await page.locator("#exercises-dialog .about select").selectOption("pear-010");
+  await press("Begin");
+  await eventually("a trial with that bur", () => gateway.published.length > 0);
+  expect(gateway.published).toEqual([{op: "begin", exercise: "one", tool: "pear-010"}]);
+  await page.locator("#exercises-open").click();
   gateway.send("/palpate/me", {...me, seat: "another-1"});
   gateway.send("/palpate/exercises", {exercises});
   await reads("#exercises-dialog .list li:nth-child(1)", /another-1/);
+  expect(await page.locator("#exercises-dialog .begin").isDisabled()).toBe(true);
 });
 
 test("student and teacher are told who waits for a score, and what could not be scored or entered", async () => {

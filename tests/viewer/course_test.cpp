@@ -195,6 +195,9 @@ TEST(Course, TouchesNoSceneWhereATrialMayNotBegin) {
   ASSERT_TRUE(gateway.KnowsScenes(1, {{"Authorization", "Bearer " + link}}));
   Teacher teacher(gateway, link);
   Pupil anna(gateway, teacher.Make("Anna"));
+  anna.client().SendTrial(
+      {{"op", "begin"}, {"exercise", "supragingival-calculus"}, {"tool", "bur"}});
+  EXPECT_THAT(anna.client().NextStatus(), testing::HasSubstr("choose one of: scaler"));
   teacher.client().SendExam({{"tag", 1}, {"op", "open"}, {"exam", "midterm"}});
   ASSERT_TRUE(Eventually([&] { return anna.Exam()["open"].is_object(); }));
   anna.client().SendTrial({{"op", "begin"}, {"exercise", "supragingival-calculus"}});

@@ -10,7 +10,7 @@ import {
   type Quat,
   type Vec3,
 } from "@page/base/pose";
-import {guardedM} from "@page/model/guarded";
+import {guardedM, usualGuards} from "@page/model/guarded";
 
 import {box} from "../support/scene_bytes";
 
@@ -49,6 +49,10 @@ test("a round bur's surface is as far from a ball as their radii leave", () => {
   expect(above(0.002)).toBe(0);
   expect(above(0.006)).toBe(Infinity);
   expect(guardedM(model, kBall, at([0.001, 0.003, 0]), "nerve", 0.003)).toBe(Infinity);
+});
+
+test("a pulp is spared also where no exercise says so", () => {
+  expect(usualGuards(scene({}))).toEqual([{tissue: "pulp", within_mm: 0.5}]);
 });
 
 test("its tip and its side are, from a box or a mesh, in whatever frames the two are", () => {

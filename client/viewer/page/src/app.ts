@@ -16,10 +16,11 @@ import {ViewControls} from "./parts/view_controls";
 import {WholeButton} from "./parts/whole_button";
 import {norm} from "./base/pose";
 import type {SceneModel} from "./model/bundle";
+import {usualGuards} from "./model/guarded";
 import type {LinkReport} from "./model/link_report";
 import type {Station} from "./model/station";
 import {type Change, kTopics, World} from "./model/world";
-import type {Exercise} from "./protocol/exercise_messages";
+import type {Exercise, Guard} from "./protocol/exercise_messages";
 import {toMouseState, toReplayAnswer} from "./protocol/messages";
 import {BurSound} from "./ui/bur_sound";
 import {element} from "./ui/elements";
@@ -280,6 +281,11 @@ export class App {
     this.figures.plots.build();
   }
 
+  private get guards(): readonly Guard[] {
+    const asked = this.exercises.guardsIn(this.choice.scene);
+    return asked.length > 0 || !this.model ? asked : usualGuards(this.model);
+  }
+
   private showTitle(): void {
     const parts = [this.replay.isOn ? say("replay.word") : "", this.choice.scene, "Palpate"];
     document.title = parts.filter((part) => part !== "").join(" · ");
@@ -317,8 +323,7 @@ export class App {
     const station = this.station(now);
     const time = this.replay.plotTime(station, now);
     const taskN = this.exam.limitN ?? this.exercises.limitN;
-    const guards = this.exam.isOn ? [] : this.exercises.guardsIn(this.choice.scene);
-    const task = {limitN: taskN, guards};
+    const task = {limitN: taskN, guards: this.exam.isOn ? [] : this.guards};
     this.figures.showStation(station, this.hold.station, task, this.model, time, report, now);
     const forceN = norm(this.hold.ownState?.forceN ?? [0, 0, 0]);
     this.burSound.update(this.hold.burTurns ? forceN : undefined);

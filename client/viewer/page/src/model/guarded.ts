@@ -1,5 +1,6 @@
 import type {Bur, Region, SceneModel, Triangles} from "./bundle";
 import {withinM} from "./drilled";
+import type {Guard} from "../protocol/exercise_messages";
 import {
   add,
   mixVec3,
@@ -20,6 +21,16 @@ import {
 /// The tissue's surface is taken at points no farther apart than this [m]: the distance is at most
 /// 0.01 mm too large.
 const kApartM = 0.2e-3;
+
+/// What every bur is to spare, where no exercise says so.
+const kSpared: readonly string[] = ["pulp", "nerve"];
+const kWarnMm = 0.5;
+
+/// What a scene has of that.
+export const usualGuards = ({objects}: SceneModel): readonly Guard[] =>
+  kSpared
+    .filter((tissue) => objects.some(({tissues}) => tissues.includes(tissue)))
+    .map((tissue) => ({tissue, within_mm: kWarnMm}));
 
 interface Cloud {
   readonly points: readonly Vec3[];

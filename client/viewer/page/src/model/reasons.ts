@@ -15,14 +15,19 @@ interface Reason {
 }
 
 const kField = /\{(\w+)\}/g;
+/// These hold a reason themselves: another program's, or the system's.
+const kNested: readonly string[] = ["reason", "error"];
 
 const reasonOf = (key: Key): Reason => {
   const parts = en[key].split(kField); // text, field, text, field, ..., text
   const texts = parts.filter((_, at) => at % 2 === 0);
   const escaped = texts.map((text) => text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  // One that begins with a field, as a file's name, must not swallow the reason before it.
+  const first = texts[0] === "" ? "((?:(?!; ).)+?)" : "";
+  const rest = escaped.slice(first === "" ? 0 : 1);
   return {
     ...{key, fields: parts.filter((_, at) => at % 2 === 1)},
-    pattern: new RegExp(`^${escaped.join("(.+?)")}$`, "s"),
+    pattern: new RegExp(`^${first}${rest.join("(.+?)")}$`, "s"),
     letters: texts.join("").length,
   };
 };
@@ -39,7 +44,7 @@ function known(text: string): string | undefined {
     if (!found) continue;
     const value = (field: string, at: number): string => {
       const is = found[at + 1]!;
-      return field === "reason" ? sayReason(is) : field === "station" ? nameOf(is) : is;
+      return kNested.includes(field) ? sayReason(is) : field === "station" ? nameOf(is) : is;
     };
     return say(key, Object.fromEntries(fields.map((field, at) => [field, value(field, at)])));
   }

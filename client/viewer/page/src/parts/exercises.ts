@@ -2,6 +2,7 @@ import {say} from "../messages/say";
 import {Guide} from "../model/guide";
 import {ownText, scoreLink} from "../model/local_text";
 import {sayReason} from "../model/reasons";
+import {partWords} from "../model/words";
 import type {Pose, Vec3} from "../base/pose";
 import {kTopics} from "../model/world";
 import type {
@@ -12,7 +13,7 @@ import type {
   Guard,
   TrialState,
 } from "../protocol/exercise_messages";
-import {element, make, press, setText} from "../ui/elements";
+import {element, make, press, setOptions, setText} from "../ui/elements";
 import {Room} from "../ui/room";
 import {followLanguage, setWords} from "../ui/spoken";
 
@@ -58,6 +59,8 @@ export class Exercises {
   private readonly submit = press("exercises.submit", () => this.handIn(this.trial));
   private readonly guided = press("exercises.guide", () => this.showGuide(!this.wantsGuide));
   private readonly score = make("a", {target: "_blank", say: "exercises.score"});
+  private readonly tool = make("select");
+  private readonly toolPick = make("label", () => `${say("exercises.with")} `, this.tool);
   private readonly again = press("exercises.again", () => this.beginShownText());
   private readonly next = press("exercises.next", () => this.showNext());
   private exercises: readonly Exercise[] = [];
@@ -123,11 +126,12 @@ export class Exercises {
     return most_N > 0 ? most_N : undefined;
   }
 
-  /// What is to be spared in a scene: by the running trial's exercise, or by all that are done
-  /// there.
+  /// What is to be spared in a scene, or a seat of it: by the running trial's exercise, or by all
+  /// that are done there.
   guardsIn(scene: string): readonly Guard[] {
     const own = this.exercises.find(({name}) => this.runs && name === this.trial?.exercise);
-    const here = this.exercises.filter((one) => this.events.served(one) === scene);
+    const of = scene.replace(/-\d+$/, "");
+    const here = this.exercises.filter((one) => one.scene === scene || one.scene === of);
     const guards = (own ? [own] : here).flatMap(({guards = []}) => guards);
     return guards.filter(({tissue}, i) => guards.findIndex((one) => one.tissue === tissue) === i);
   }
@@ -182,7 +186,11 @@ export class Exercises {
     const begin = press("exercises.begin", () => this.beginShownText());
     begin.title = say("exercises.begin_title");
     begin.className = "begin";
-    begin.disabled = this.events.served(exercise) === "" || this.isBusy;
+    const [scene, seat] = [this.events.served(exercise), this.events.seat()];
+    begin.disabled = scene === "" || (seat !== "" && scene !== seat) || this.isBusy;
+    const {tools = []} = exercise;
+    const option = (tool: string) => ({value: tool, text: partWords(tool)});
+    setOptions(this.tool, tools.map(option), this.toolFor(exercise), "");
     const pictures = exercise.pictures.map(({path, text}) =>
       make(
         "figure",
@@ -197,6 +205,7 @@ export class Exercises {
       ...pictures,
       make("p.goal", ownText(exercise.goal)),
       make("p.quiet", limits),
+      ...(tools.length > 1 ? [this.toolPick] : []),
       begin,
       make("p.quiet", this.placeOf(exercise)),
       make("h4", say("exercises.graded", {pass: exercise.pass})),
@@ -259,9 +268,16 @@ export class Exercises {
     const scene = exercise ? this.events.served(exercise) : "";
     if (!exercise || scene === "") return;
     this.room.close();
-    this.events.begin(scene, exercise.tool, () =>
-      this.events.publish({op: "begin", exercise: exercise.name}),
+    const tool = this.toolFor(exercise);
+    const other = tool === exercise.tool ? {} : {tool};
+    this.events.begin(scene, tool, () =>
+      this.events.publish({op: "begin", exercise: exercise.name, ...other}),
     );
+  }
+
+  /// The one that is chosen, also for the next trial.
+  private toolFor({tool, tools = []}: Exercise): string {
+    return tools.includes(this.tool.value) ? this.tool.value : tool;
   }
 
   private handIn(trial: {readonly exercise: string; readonly n: number} | undefined): void {

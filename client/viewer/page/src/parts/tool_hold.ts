@@ -47,6 +47,7 @@ export class ToolHold {
     });
     // The tool's keys take precedence: while it is held, arrows move it and not the camera.
     this.mouse.listenTo(canvas, view.camera.controls);
+    this.toolPick.addEventListener("change", () => this.change());
     // Otherwise a closed page would keep its tool; a trial's waits for the page to come back.
     addEventListener("pagehide", () => {
       if (!this.isInTrial()) this.mouse.release();
@@ -112,6 +113,7 @@ export class ToolHold {
     this.button.classList.toggle("holding", holding);
     document.body.classList.toggle("holds", holding);
     this.button.disabled = hold === "none" && !this.isSceneHere();
+    if (holding) this.toolPick.value = this.mouse.tool; // also a trial's
     const words = {holding: "tool.give_back", asking: "tool.cancel", none: "tool.take"} as const;
     setText(this.button, () => say(words[hold]));
     this.picture.view.camera.controls.enableZoom = !holding;
@@ -156,6 +158,13 @@ export class ToolHold {
     }
     this.choice.stay(); // also after the tool is released
     this.mouse.take(scene, this.tool);
+  }
+
+  /// Another tool was chosen: who holds one changes it.
+  private change(): void {
+    if (!this.isBusy || this.isInTrial()) return;
+    this.mouse.release();
+    this.takeOrRelease();
   }
 
   private giveBack(): void {

@@ -27,6 +27,7 @@ export interface Exercise {
   readonly title: LocalText;
   readonly scene: string;
   readonly tool: string;
+  readonly tools?: readonly string[]; // to choose from: it, and other burs of the scene
   readonly serve?: string; // to a teacher: the scene that palpate-server is to be told
   readonly instruction: LocalText;
   readonly pictures: readonly {readonly path: string; readonly text: LocalText}[];

@@ -123,8 +123,10 @@ export class ToolView {
     const centre = pointOf(graphic, centroid);
     const apartM = norm(subtract(pointOf(haptic, centroid), centre));
     this.ghost.setDistance(apartM + leverM * angleBetween(haptic.q, graphic.q));
-    // Where the objects push: a long tool's centroid is often outside the picture.
-    this.marks.set(middleOfPush(points) ?? centre, forceN, torqueNm, points, radiusM);
+    // Where the objects push: a long tool's centroid is often outside the picture.  There a bur's
+    // torque would hide what it cuts.
+    const turnedNm: Vec3 = this.body.body.bur ? [0, 0, 0] : torqueNm;
+    this.marks.set(middleOfPush(points) ?? centre, forceN, turnedNm, points, radiusM);
   }
 
   /// Shows where the hand should move it; undefined: nowhere.
