@@ -166,6 +166,12 @@ bool TrialRoom::is_in(const std::string& scene) const {
       trials_, [&](const Running& trial) { return trial.records && trial.scene == scene; });
 }
 
+bool TrialRoom::is_cut_in(const std::string& scene) const {
+  return std::ranges::any_of(trials_, [&](const Running& trial) {
+    return trial.records && trial.scene == scene && AsksForCuts(trial.exercise->criteria);
+  });
+}
+
 bool TrialRoom::has_one_of(std::int64_t person) const {
   return std::ranges::any_of(trials_,
                              [&](const Running& trial) { return trial.news.person == person; });

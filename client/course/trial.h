@@ -93,6 +93,8 @@ class TrialRoom {
   bool is_at_one(Holder holder) const;
   /// Returns whether a trial is being recorded in that scene or seat.
   bool is_in(const std::string& scene) const;
+  /// Returns whether what is cut in that scene or seat is graded: a trial is being recorded there.
+  bool is_cut_in(const std::string& scene) const;
   /// Returns whether a trial of that person is being recorded or scored.
   bool has_one_of(std::int64_t person) const;
   /// Returns whether that trial is being recorded or scored.

@@ -74,6 +74,10 @@ std::string KeptFor(const std::string& seat) {
   return "'" + seat + "' is kept for a candidate of the exam, who is about to begin there";
 }
 
+std::string TrialRunsIn(const std::string& scene) {
+  return "a trial runs in scene '" + scene + "'; end it first";
+}
+
 template <class Map>
 std::vector<std::string> KeysOf(const Map& map) {
   std::vector<std::string> keys;
@@ -660,13 +664,17 @@ std::string Hub::WhyNotAt(const Viewer& viewer, const std::string& scene) const 
 std::string Hub::WhyNotRestore(const Viewer& viewer, const std::string& scene) const {
   if (!trials_ || !trials_->is_in(scene)) return WhyNotAt(viewer, scene);
   // Not even its person or a teacher: what was cut would count no more.
-  return "a trial runs in scene '" + scene + "'; end it first";
+  return TrialRunsIn(scene);
 }
 
 void Hub::Take(Viewer& viewer, const MouseCommand& command, std::int64_t now_ns) {
   std::string refusal = RefuseWish(Wish::kTake, viewer, now_ns);
   const std::optional<Tokens::Holder>& holder = viewer.holder();
   if (refusal.empty()) refusal = WhyNotAt(viewer, command.scene);
+  // The scene may have further burs, which would cut what another's trial is graded by.
+  if (refusal.empty() && trials_ && trials_->is_cut_in(command.scene)) {
+    refusal = TrialRunsIn(command.scene);
+  }
   if (refusal.empty()) {
     mice_.Take(viewer.id(), holder ? holder->station : "", command, WhyAbsent(command.scene),
                now_ns);

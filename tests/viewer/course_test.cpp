@@ -235,6 +235,9 @@ TEST(Course, LetsNobodyRestoreASceneWhileATrialRunsThere) {
   }
   teacher.client().SendMouse({{"op", "whole"}, {"scene", "calculus"}});
   EXPECT_THAT(teacher.client().NextStatus(), testing::HasSubstr("trial"));
+  Pupil ben(gateway, teacher.Make("Ben"));
+  EXPECT_THAT(ben.Take("calculus"), testing::HasSubstr("a trial runs in scene"))
+      << "a scene may have further tools that cut";
   anna.client().SendTrial({{"op", "stop"}});
   ASSERT_TRUE(anna.Comes({"waiting", "scoring", "scored", "unscored"}));
   teacher.client().SendMouse({{"op", "whole"}, {"scene", "calculus"}});
