@@ -649,7 +649,7 @@ void ExamRoom::CompleteRoll() {
   seals_.Change([](Roll& roll) { roll.complete = true; });
 }
 
-bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
+bool ExamRoom::Poll(std::int64_t now_s) {
   try {
     if (newest_.is_open()) {
       if (owed_s_ != 0) {
@@ -675,8 +675,7 @@ bool ExamRoom::Poll(std::int64_t now_s, std::int64_t now_ns) {
       }
     }
     if (const auto done = seals_.Take()) TakeSeal(*done);
-    // Marks first: trials that run must not wait until all that ended with another are sealed.
-    seals_.Poll(now_s, now_ns);
+    seals_.Poll(now_s);
     SealNext(now_s);
     if (newest_.closed_s != 0 && AllSettled() && now_s >= retry_s_) {
       CompleteRoll();

@@ -81,7 +81,7 @@ class ExamRoom {
   void Heard(const TrialRoom::News& news);
   /// Marks, seals and scores; to be called some 100 times a second.  Returns whether pages
   /// must be updated.
-  bool Poll(std::int64_t now_s, std::int64_t now_ns);
+  bool Poll(std::int64_t now_s);
   /// Returns the exam's state for a person's page; a teacher's page gets the state of all people.
   std::string StateJson(std::int64_t person, bool teaches, std::int64_t now_s) const;
 

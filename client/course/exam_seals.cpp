@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 /// A killed gateway loses what was recorded since the last mark, and a recorder writes to the disk
 /// every 0.2 s: together less than half a second, on a busy machine, too.
-constexpr std::int64_t kMark_ns = 50'000'000;
+constexpr std::chrono::milliseconds kMark{50};
 constexpr std::uint64_t kLargestRecording = ~std::uint64_t{0} >> 1;
 
 /// Closes a descriptor at the end of its scope.
@@ -71,9 +71,18 @@ bool IsReady(const std::future<T>& future) {
 }  // namespace
 
 ExamSeals::ExamSeals(std::string folder)
-    : folder_(std::move(folder)), key_(SealKey::OfCourse(folder_)) {}
+    : folder_(std::move(folder)),
+      key_(SealKey::OfCourse(folder_)),
+      marking_([this] { MarkOn(); }) {}
 
-ExamSeals::~ExamSeals() = default;
+ExamSeals::~ExamSeals() {
+  {
+    const std::scoped_lock lock(guard_);
+    ends_ = true;
+  }
+  wake_.notify_all();
+  marking_.join();
+}
 
 std::string ExamSeals::FileOf(const Roll& roll) const {
   return fmt::format("{}/exams/{}-{}{}", folder_, roll.exam, roll.exam_number, kRollEnding);
@@ -112,6 +121,7 @@ void ExamSeals::Open(const Roll& roll) {
   Write(roll);
   roll_ = roll;
   trouble_.clear();
+  const std::scoped_lock lock(guard_);
   growing_.clear();
 }
 
@@ -151,7 +161,9 @@ void ExamSeals::Begin(const Roll::Entry& entry, std::int64_t now_s) {
   mark.made_s = now_s;
   WriteMark(mark);
   Change([&](Roll& roll) { roll.trials.push_back(entry); });
+  const std::scoped_lock lock(guard_);
   growing_[KeyOf(entry)] = growing;
+  wake_.notify_all();
 }
 
 // --- marks and seals; from here on in a thread, where const says so ---
@@ -174,26 +186,38 @@ void ExamSeals::ReadOn(Growing& growing, std::int64_t now_s) const {
   WriteMark(growing.mark);
 }
 
-bool ExamSeals::is_idle() {
-  if (marking_.valid() && IsReady(marking_)) marking_.get();
-  return !sealing_.valid() && !marking_.valid();
+void ExamSeals::Poll(std::int64_t now_s) {
+  now_s_ = now_s;
+  const std::scoped_lock lock(guard_);
+  if (trouble_of_marks_) std::rethrow_exception(std::exchange(trouble_of_marks_, nullptr));
 }
 
-void ExamSeals::Poll(std::int64_t now_s, std::int64_t now_ns) {
-  // Not at once after the last marks, or on a slow computer nothing could be sealed between them.
-  const bool was_marking = marking_.valid();
-  if (!is_idle() || was_marking || growing_.empty() || now_ns - marked_ns_ < kMark_ns) return;
-  marked_ns_ = now_ns;
-  std::vector<std::shared_ptr<Growing>> all;
-  for (const auto& [key, growing] : growing_) all.push_back(growing);
-  marking_ = std::async(std::launch::async, [this, all, now_s] {
-    for (const auto& growing : all) ReadOn(*growing, now_s);
-  });
+void ExamSeals::MarkOn() {
+  std::unique_lock lock(guard_);
+  for (;;) {
+    wake_.wait(lock, [this] { return ends_ || !growing_.empty(); });
+    if (wake_.wait_for(lock, kMark, [this] { return ends_; })) return;
+    const auto all = growing_;
+    lock.unlock();
+    std::exception_ptr trouble;
+    for (const auto& [key, growing] : all) {
+      try {
+        const std::scoped_lock own(growing->guard);
+        ReadOn(*growing, now_s_);
+      } catch (...) {
+        trouble = std::current_exception();
+      }
+    }
+    lock.lock();
+    if (trouble) trouble_of_marks_ = trouble;
+  }
 }
 
 void ExamSeals::BeginToSeal(const Seal& seal) {
+  std::unique_lock lock(guard_);
   const auto found = growing_.find({seal.person, seal.exercise, seal.n});
   const auto growing = found == growing_.end() ? nullptr : found->second;
+  lock.unlock();
   Seal next = seal;
   next.previous = roll_.last;
   sealing_ = std::async(std::launch::async, [this, next, growing] {
@@ -209,6 +233,7 @@ ExamSeals::Done ExamSeals::Sealed(const Seal& seal) const {
 }
 
 ExamSeals::Done ExamSeals::SealWhole(Seal seal, Growing& growing) const {
+  const std::scoped_lock lock(growing.guard);
   ReadOn(growing, seal.ended_s);
   if (growing.hash) {
     seal.sha256 = growing.mark.sha256;
@@ -291,7 +316,10 @@ std::optional<ExamSeals::Done> ExamSeals::Take() {
     entry.sha256 = seal.sha256;
     entry.seal = roll.last = Sha256(done.text);
   });
-  growing_.erase(done.key);
+  {
+    const std::scoped_lock lock(guard_);
+    growing_.erase(done.key);
+  }
   std::error_code none;
   fs::remove(StemOf(done.key) + kMarkEnding, none);
   return done;

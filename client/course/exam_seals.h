@@ -1,12 +1,17 @@
 #pragma once
 
+#include <atomic>
+#include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <future>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -17,7 +22,8 @@ namespace palpate {
 /// Seals the trials of an exam and keeps its roll, which alone says what may still be sealed: what
 /// a former process left behind is sealed as far as a mark of that process covers it, and nothing
 /// else is, whatever course.sqlite or the folder say.  Each seal names the one before it.
-/// Thread contract: one thread; hashing runs in threads of its own, one at a time.
+/// Thread contract: one thread; it makes marks in one of its own, which no disk and no seal holds
+/// up, and seals in another.
 class ExamSeals {
  public:
   /// Person, exercise and number of a trial.
@@ -49,10 +55,10 @@ class ExamSeals {
   void Change(const std::function<void(Roll&)>& change);
   /// Enters a trial that begins now.  Throws Error.
   void Begin(const Roll::Entry& entry, std::int64_t now_s);
-  /// Marks trials that run, some twenty times a second.  What waits to be sealed goes first.
-  void Poll(std::int64_t now_s, std::int64_t now_ns);
+  /// Tells the time for marks.  Throws what the last ones failed of.
+  void Poll(std::int64_t now_s);
   /// Returns whether another trial can be sealed now.
-  bool is_idle();
+  bool is_idle() const { return !sealing_.valid(); }
   /// Begins to seal a trial, whose recorder has ended.  @pre is_idle()
   /// @param seal  without hashes; of a trial that another process began, the end is filled in, too.
   void BeginToSeal(const Seal& seal);
@@ -65,6 +71,7 @@ class ExamSeals {
  private:
   /// A trial that this process began.
   struct Growing {
+    std::mutex guard;  // of what follows
     Mark mark;
     std::string file;
     std::unique_ptr<GrowingHash> hash;  // none: there is no recording yet
@@ -75,6 +82,8 @@ class ExamSeals {
   void Write(const Roll& roll) const;
   void WriteMark(const Mark& mark) const;
   void ReadOn(Growing& growing, std::int64_t now_s) const;
+  /// Marks trials that run, some twenty times a second, until this ends.
+  void MarkOn();
   Done SealWhole(Seal seal, Growing& growing) const;
   Done SealRest(Seal seal) const;
   /// Returns a seal of that trial that a former process made as the next one.
@@ -90,10 +99,14 @@ class ExamSeals {
   const SealKey key_;
   Roll roll_;
   std::string trouble_;
-  std::map<Key, std::shared_ptr<Growing>> growing_;  // a thread has them while one runs
-  std::future<void> marking_;
+  std::atomic<std::int64_t> now_s_ = 0;
+  std::mutex guard_;  // of the next four
+  std::condition_variable wake_;
+  std::map<Key, std::shared_ptr<Growing>> growing_;
+  std::exception_ptr trouble_of_marks_;
+  bool ends_ = false;
   std::future<Done> sealing_;
-  std::int64_t marked_ns_ = 0;
+  std::thread marking_;  // the last member: it uses the others
 };
 
 }  // namespace palpate

@@ -140,6 +140,8 @@ Finding CheckNetwork(const std::vector<Interface>& interfaces, const dds::Networ
 /// Checks whether the UDP ports of --domain are free, or used by a palpate-server.
 /// @param server_runs  a server runs in this domain on this host.
 Finding CheckPorts(const HostFiles& host, int domain, bool server_runs);
+/// Checks how much a socket may hold until it is read.
+Finding CheckReceiveBuffer(const HostFiles& host);
 /// Returns whether a palpate-server of this host uses this domain.
 bool ServerRuns(const HostFiles& host, int domain);
 

@@ -139,6 +139,7 @@ std::optional<Report> Examine(const Options& options, StopSignal& stop,
   add("RouDi", CheckRouDi(roudi, wanted, getuid(), ShownPlaceOf(ProjectFile::kSharedMemory)));
 
   add("network", CheckNetwork(InterfacesOfThisHost(), options.network));
+  add("receive buffer", CheckReceiveBuffer(host));
   add("ports", CheckPorts(host, options.domain, ServerRuns(host, options.domain)));
 
   measuring("a loop of poses and wrenches");

@@ -236,4 +236,15 @@ Finding CheckPorts(const HostFiles& host, int domain, bool server_runs) {
                  "palpate-viewer or a station that waits for its server; or give another --domain");
 }
 
+Finding CheckReceiveBuffer(const HostFiles& host) {
+  constexpr long long kEnough = 4 << 20;  // more than a second of one station
+  const auto most = host.ReadNumber("/proc/sys/net/core/rmem_max");
+  if (!most) return Ok("how much a socket holds is not to be seen here");
+  const std::string found = "a socket holds " + std::to_string(*most / 1024) + " kB";
+  if (*most >= kEnough) return Ok(found);
+  return Warning(found + ": on a busy host, recorders over UDP lose poses",
+                 "sudo sysctl net.core.rmem_max=16777216, and the same line in "
+                 "/etc/sysctl.d/palpate.conf");
+}
+
 }  // namespace palpate::doctor

@@ -202,7 +202,7 @@ void Hub::Tick(std::int64_t now_ns) {
       called_ns_ = now_ns;
       exams_->CallNext(exam_clock_.Now_s(now_ns), exam_seats_);
     }
-    if (exams_->Poll(exam_clock_.Now_s(now_ns), now_ns)) TellExam(now_ns);
+    if (exams_->Poll(exam_clock_.Now_s(now_ns))) TellExam(now_ns);
   }
   refusals_.Poll(now_ns);
   TellClass(now_ns);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct Network {
   /// Folder of the program's identity in a secured domain (common/dds/security.h); empty: the
   /// domain is not secured.
   std::string identity;
+  /// Bytes that a socket should hold until they are read; 0: 1 MB, as Cyclone DDS has it.  A host
+  /// that allows less (net.core.rmem_max) gives less.
+  std::uint32_t receive_buffer = 0;
 
   bool this_host() const { return interface == "lo"; }
   bool secured() const { return !identity.empty(); }

@@ -151,6 +151,10 @@ std::string DomainConfig(int domain_id, bool shared_memory, const Network& netwo
       "<Tracing><Verbosity>" + (network.secured() ? "warning" : "severe") +
       "</Verbosity><OutputFile>stderr</OutputFile></Tracing>";
   if (network.secured()) xml += SecurityConfig(network.identity);
+  if (network.receive_buffer > 0) {  // no minimum: with one, a host that allows less is an error
+    xml += "<Internal><SocketReceiveBufferSize max=\"" + std::to_string(network.receive_buffer) +
+           " B\"/></Internal>";
+  }
   xml += shared_memory
              ? "<SharedMemory><Enable>true</Enable><LogLevel>warn</LogLevel><Prefix>palpate_" +
                    std::to_string(domain_id) +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <utility>
 
@@ -274,6 +275,16 @@ void Writer::WritePending() {
 }
 
 void Writer::Synchronise() {
+  constexpr std::chrono::seconds kNow{0};
+  if (synchronising_.valid()) {
+    if (synchronising_.wait_for(kNow) == std::future_status::timeout) return;
+    synchronising_.get();
+  }
+  // Where no thread can be made, the next call waits.
+  synchronising_ = std::async([this] { PutOnDisk(); });
+}
+
+void Writer::PutOnDisk() const {
   // Pipes and devices have nothing to synchronise.
   if (fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) {
     throw Error(file_ + ": " + std::strerror(errno) + "; record to another place");
@@ -381,8 +392,10 @@ void Writer::Close() {
     out_.clear();
     BuildSummary(out_);
     Put(out_);
-    Synchronise();
+    if (synchronising_.valid()) synchronising_.get();
+    PutOnDisk();
   } catch (...) {
+    if (synchronising_.valid()) synchronising_.wait();
     end();
     throw;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <map>
 #include <span>
 #include <string>
@@ -43,7 +44,9 @@ class Writer {
   /// Closes the open chunk and writes it.  Throws Error (file, the system's reason) or bad_alloc if
   /// that fails; the file is then as before, and the chunk is lost.
   void Flush();
-  /// Waits until the flushed data are on the disk.  Throws Error if the disk fails.
+  /// Has the flushed data put on the disk, without waiting for it: a disk may take longer than a
+  /// reader of the file should wait for what comes next.  Does nothing while the last call's data
+  /// are on their way.  Throws Error if the disk failed at those.
   void Synchronise();
   /// Flushes, and writes a metadata record.
   void WriteMetadata(const Metadata& metadata);
@@ -67,6 +70,8 @@ class Writer {
     std::uint64_t time_ns, offset;
   };
 
+  /// Waits for the disk.
+  void PutOnDisk() const;
   void WritePending();
   void Put(std::span<const std::uint8_t> bytes);
   void BuildSummary(std::vector<std::uint8_t>& out) const;
@@ -87,6 +92,7 @@ class Writer {
   std::vector<std::pair<std::string, std::pair<std::uint64_t, std::uint64_t>>> metadata_;
   std::map<std::uint16_t, std::uint64_t> channel_messages_;
   std::uint64_t messages_ = 0, start_ns_ = 0, end_ns_ = 0;
+  std::future<void> synchronising_;
 };
 
 }  // namespace palpate::mcap

@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "common/files/bundle_hash.h"
 #include "common/recording/split_name.h"
+#include "common/step_fault.h"
 #include "common/text/hex16.h"
 #include "common/text/quoted.h"
 
@@ -55,6 +56,9 @@ bool FileSummary::Look(const RecordedSample& sample, std::uint64_t& sequence) {
     case RecordedType::kWrench: {
       wire::Wrench wrench;
       if (!sample.To(wrench)) return false;
+      if ((wrench.faults & kFaultNotStarted) == 0) {
+        first_forces_.try_emplace(*sample.topic, wrench.pose_sequence);
+      }
       sequence = wrench.answer;
       return true;
     }
@@ -148,6 +152,10 @@ void FileSummary::Finish(const RecordingReader& reader) {
   for (Session& session : sessions) {
     const auto poses = topics.find(dds::PoseTopic(session.station, session.run));
     if (poses != topics.end()) session.poses = poses->second.messages;
+    if (session.start_sequence != 0) continue;
+    // The recording may end before the server has told with which pose forces began.
+    const auto began = first_forces_.find(dds::WrenchTopic(session.station, session.run));
+    if (began != first_forces_.end()) session.start_sequence = began->second;
   }
   for (auto& [name, topic] : topics) {
     const double span_s = 1e-9 * static_cast<double>(topic.last_ns - topic.first_ns);

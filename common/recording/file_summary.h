@@ -74,6 +74,7 @@ struct FileSummary {
   bool Look(const RecordedSample& sample, std::uint64_t& sequence);
 
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> places_;  // by station and run
+  std::map<std::string, std::uint64_t> first_forces_;  // first pose with forces, by wrench topic
   std::int64_t last_ns_ = 0;
 };
 

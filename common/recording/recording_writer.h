@@ -43,7 +43,8 @@ class RecordingWriter {
            std::span<const std::uint8_t> cdr);
   /// Sets how many of the topic's samples arrived but were dropped for lack of room.
   void SetDropped(const std::string& topic, RecordedType type, std::uint64_t dropped);
-  /// Writes pending samples to the disk; a crash then loses only later ones.
+  /// Writes pending samples: a killed recorder then loses only later ones, a host that crashes
+  /// moments later those for which the disk had no time.
   void Flush() {
     file_->Flush();
     file_->Synchronise();

@@ -117,7 +117,7 @@ class ExamTest : public testing::Test {
   bool Comes(const std::function<bool()>& what) {
     return Eventually([&] {
       trials_->Poll(SteadyNanoseconds());
-      exams_->Poll(now_s_, now_s_ * 1'000'000'000);
+      exams_->Poll(now_s_);
       return what();
     });
   }
@@ -224,7 +224,7 @@ TEST_F(ExamTest, TakesAndGivesNoTimeWhereTheComputersClockIsSet) {
     now_s_ += by_s;
     exams_->ClockWasSet(by_s);
     EXPECT_EQ(Own()["left_s"], 600) << "at once";
-    exams_->Poll(now_s_, 0);
+    exams_->Poll(now_s_);
     EXPECT_EQ(Own()["left_s"], 600);
   }
   EXPECT_EQ(told_s(), -2100);
@@ -235,7 +235,7 @@ TEST_F(ExamTest, TakesAndGivesNoTimeWhereTheComputersClockIsSet) {
   Start();
   EXPECT_EQ(Own()["left_s"], 600) << "set back while none ran";
   EXPECT_EQ(told_s(), -1800);
-  exams_->Poll(now_s_, 0);
+  exams_->Poll(now_s_);
   now_s_ += 300;
   Start();
   EXPECT_EQ(Own()["left_s"], 300);
@@ -263,7 +263,7 @@ TEST_F(ExamTest, TakesNoTimeFromWhoWaitsForASeatAndGivesItToTheFirst) {
   EXPECT_EQ(turn_of(anna_)["phase"], "waits");
   EXPECT_EQ(turn_of(anna_)["waits_s"], 100);
   EXPECT_EQ(Own()["left_s"], 600);
-  exams_->Poll(now_s_, 0);
+  exams_->Poll(now_s_);
   Start();
   EXPECT_EQ(turn_of(anna_)["phase"], "waits") << "after a kill, too";
   EXPECT_EQ(turn_of(anna_)["waits_s"], 100);
@@ -284,7 +284,7 @@ TEST_F(ExamTest, TakesNoTimeFromWhoWaitsForASeatAndGivesItToTheFirst) {
                SealKey::ReadPublic(folder_ / "course/exam-key.pub.pem"), "it");
   EXPECT_EQ(roll.trials.at(0).waited_s, 100);
   now_s_ += 480;  // the time of those who have not waited
-  exams_->Poll(now_s_, 0);
+  exams_->Poll(now_s_);
   EXPECT_THAT(ComplaintOf([&] { exams_->TaskToBegin(ben, "supragingival-calculus", now_s_); }),
               HasSubstr("time is over"));
   EXPECT_EQ(Begin("supragingival-calculus"), kGood);

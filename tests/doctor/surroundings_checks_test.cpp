@@ -160,6 +160,15 @@ TEST_F(Ports, ThatTheKernelGivesToAnyConnectionAreAWarning) {
   EXPECT_THAT(CheckPorts(host.files, 0, false), IsWarning("", "net.ipv4.ip_local_port_range"));
 }
 
+TEST(ReceiveBuffer, IsAWarningWhereTheKernelAllowsLittle) {
+  const auto check = [](const std::string& bytes) {
+    return CheckReceiveBuffer(MadeUpHost({{"/proc/sys/net/core/rmem_max", bytes}}).files);
+  };
+  EXPECT_THAT(check("212992\n"), IsWarning("holds 208 kB", "sysctl net.core.rmem_max=16777216"));
+  EXPECT_THAT(check("4194304\n"), IsOk("4096 kB"));
+  EXPECT_THAT(CheckReceiveBuffer(MadeUpHost().files), IsOk()) << "in a container";
+}
+
 TEST_F(Ports, AreAServersWhereItHasItsOwn) {
   EXPECT_FALSE(ServerRuns(host.files, 0));
   HoldsPort("1CF2");

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
+#include "common/step_fault.h"
 #include "tests/common/recording/samples.h"
 #include "tests/support/milliseconds.h"
 
@@ -167,6 +168,26 @@ TEST_F(FileSummaryTest, CountsOnlyWhatWasThere) {
   EXPECT_THAT(text, HasSubstr("  station hand (run"));
   EXPECT_THAT(text, Not(HasSubstr("  station gone")));
   EXPECT_THAT(text, HasSubstr("1 session sent no poses during the recording"));
+}
+
+TEST_F(FileSummaryTest, TellsOfForcesWhoseStartWasNotToldBeforeTheEnd) {
+  const auto put = [](bool begin) {
+    return [begin](RecordingWriter& writer) {
+      wire::SessionState state = SampleState("hand", 5);
+      state.start_sequence = 0;
+      Add(writer, dds::kSessionStateTopic, state, kMs);
+      for (std::uint64_t i = 1; i <= 9; ++i) {
+        wire::Wrench wrench = SampleWrench(i);
+        wrench.pose_sequence = i;
+        wrench.faults = begin && i >= 7 ? kFaultNone : kFaultNotStarted;
+        Add(writer, dds::PoseTopic("hand", 5), SamplePose(i), static_cast<std::int64_t>(i) * kMs);
+        Add(writer, dds::WrenchTopic("hand", 5), wrench, static_cast<std::int64_t>(i) * kMs);
+      }
+    };
+  };
+  EXPECT_THAT(ToText(Of(put(true))), HasSubstr("forces from pose 7"));
+  std::filesystem::remove(file_);
+  EXPECT_THAT(ToText(Of(put(false))), HasSubstr("no forces"));
 }
 
 TEST_F(FileSummaryTest, TellsThatABundleIsNotTheOneOfItsHash) {

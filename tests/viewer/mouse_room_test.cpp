@@ -242,12 +242,11 @@ TEST_F(MouseRoomTest, GivesAPagesWordsToTheStationInOneArgumentEach) {
     Take(7, word, "", word);
     room_.Release(7, "", SteadyNanoseconds());
     EXPECT_TRUE(ShrinksTo(0));
-    EXPECT_EQ(
-        ReadWholeFile(file),
-        "--device=mouse\n--scene=" + word +
-            "\n--id=mouse_1\n--domain=0\n--transport=udp\n--network=lan\n--wait=30\n--no-table\n"
-            "--peer=10.0.0.1\n--tool=" +
-            word + "\n");
+    EXPECT_EQ(ReadWholeFile(file),
+              "--device=mouse\n--scene=" + word +
+                  "\n--id=mouse_1\n--domain=0\n--transport=udp\n--network=lan\n--realtime=off\n"
+                  "--wait=30\n--no-table\n--peer=10.0.0.1\n--tool=" +
+                  word + "\n");
   }
   unsetenv("PALPATE_FAKE_STATION_ARGUMENTS");
 }

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
+#include <fstream>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -86,6 +88,40 @@ TEST(LoopTopicOverUdp, BringsWholeSamplesAndNoneThroughSharedMemory) {
   const Taken taken = TakeInStep(reader, peer);
   ExpectWhole(taken.poses);
   EXPECT_EQ(taken.through_shared_memory, 0);
+}
+
+/// Returns how many of `count` samples arrive of which none is read until all are written.
+std::size_t ArriveAtOnce(const Network& network, int count) {
+  const Participant participant = Participant::Loop(kDomain, kUdp, network);
+  const std::string topic = OwnTopic("flood");
+  std::atomic<std::size_t> arrived{0};
+  std::mutex busy;
+  const Reader<wire::HapticPose> reader(participant, topic, Qos::kRecord,
+                                        [&](const wire::HapticPose&) {
+                                          const std::lock_guard lock(busy);
+                                          ++arrived;
+                                        });
+  Peer peer("udp", kDomain, topic, count, "matched-in-step");
+  {
+    const std::lock_guard lock(busy);
+    for (int i = 0; i < count; ++i) EXPECT_TRUE(peer.Next());
+  }
+  // What was written is in the socket, or lost.
+  for (std::size_t before = ~std::size_t{0}; arrived != before;) {
+    before = arrived;
+    std::this_thread::sleep_for(milliseconds(200));
+  }
+  peer.End();
+  return arrived;
+}
+
+TEST(LoopTopicOverUdp, LosesNoSampleOfABusyReaderWithRoomForThem) {
+  long long most = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  if (most < 4 << 20) GTEST_SKIP() << "net.core.rmem_max is " << most;
+  constexpr int kFlood = 3500;  // of 0.8 to 1.3 kB each, as the kernel counts
+  EXPECT_LT(ArriveAtOnce({}, kFlood), 3500u);
+  EXPECT_EQ(ArriveAtOnce({.receive_buffer = 16 << 20}, kFlood), 3500u);
 }
 
 class RouDiLoopTopic : public testing::Test {
