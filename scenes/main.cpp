@@ -18,7 +18,6 @@
 #include "scenes/catalogue.h"
 #include "scenes/compiler/body_lines.h"
 #include "scenes/compiler/scene_info.h"
-#include "scenes/error_picture.h"
 #include "scenes/files/mesh_options.h"
 #include "scenes/files/mesh_scene.h"
 #include "scenes/files/scene_bundle.h"
@@ -27,12 +26,13 @@
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/units.h"
 #include "scenes/picture.h"
 #include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
 #include "scenes/tree/leaf_count.h"
+#include "scenes/tree/sph_file.h"
 #include "scenes/tree/tree_error.h"
-#include "scenes/tree/tree_export.h"
 #include "scenes/tree/tree_mode.h"
 
 namespace palpate {
@@ -47,13 +47,11 @@ struct Arguments {
   std::optional<int> level;
   std::string mode;  ///< one of kTreeModes; empty: as the scene file says
   std::optional<LeafTolerance> leaves;
-  std::string body;  ///< the body whose tree is exported; empty: the first object
-  std::string unit;  ///< of the exported file
+  std::string body;         ///< the body whose tree is exported; empty: the first object
+  std::string unit = "mm";  ///< of the exported file
   bool rebuild = false;
   bool whole = false;
-  bool error = false;  ///< whether to draw the error
   MeshSceneOptions mesh;
-  InfoOptions info;
   int domain = 0;
 };
 
@@ -82,8 +80,8 @@ Scene Load(const Arguments& arguments) {
 }
 
 /// Prints the verdict; throws if the scene or mesh is not usable.
-void Conclude(const std::string& what, const Verdict& verdict, std::FILE* to = stdout) {
-  std::fputs(ToText(verdict).c_str(), to);
+void Conclude(const std::string& what, const Verdict& verdict) {
+  std::fputs(ToText(verdict).c_str(), stdout);
   if (!verdict.usable()) throw Error(what + ": is not usable: " + verdict.faults.front());
 }
 
@@ -103,11 +101,8 @@ void Build(const Arguments& arguments) {
 
 void Info(const Arguments& arguments) {
   const Scene scene = Load(arguments);
-  const std::string text = SceneInfo(scene, arguments.info);
-  // Output for a program needs standard output for itself.
-  const bool piped = arguments.info.csv == "-" || arguments.info.json == "-";
-  std::fputs(text.c_str(), piped ? stderr : stdout);
-  Conclude(arguments.scene, JudgeScene(scene), piped ? stderr : stdout);
+  std::fputs(SceneInfo(scene).c_str(), stdout);
+  Conclude(arguments.scene, JudgeScene(scene));
 }
 
 void PrintReport(const MeshReport& r) {
@@ -177,17 +172,7 @@ void Render(const Arguments& arguments) {
     throw UsageError("-o " + arguments.output +
                      ": pictures are PNG; give a name that ends in .png");
   }
-  if (arguments.whole && (arguments.level || arguments.error)) {
-    throw UsageError(std::string("--whole and ") + (arguments.error ? "--error" : "--level") +
-                     " exclude each other; keep one");
-  }
-  if (!arguments.body.empty() && !arguments.error) {
-    throw UsageError("--body needs --error; add it, or drop --body");
-  }
-  if (arguments.error) {
-    const Scene scene = Load(arguments);
-    DrawError(FindBody(scene, arguments.body), arguments.level, arguments.output);
-  } else if (arguments.whole) {
+  if (arguments.whole) {
     DrawWhole(Load(arguments), arguments.output);
   } else {
     DrawScene(Load(arguments), arguments.level, arguments.output);
@@ -195,15 +180,26 @@ void Render(const Arguments& arguments) {
   std::printf("wrote %s\n", arguments.output.c_str());
 }
 
+void WriteText(const std::string& file, const std::string& text) {
+  WriteFileAtomically(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
 void Export(const Arguments& arguments) {
-  ExportFormatOf(arguments.output);  // checked before anything is built
+  if (!arguments.output.ends_with(".sph")) {
+    throw UsageError("-o " + arguments.output + ": trees are written as .sph");
+  }
   const Scene scene = Load(arguments);
   const Body& body = FindBody(scene, arguments.body);
-  const std::vector<std::uint8_t> bytes =
-      ExportTree(body, {arguments.level, arguments.unit}, arguments.output);
-  WriteFileAtomically(arguments.output, bytes);
+  const int levels = body.tree.levels();
+  if (arguments.level && (*arguments.level < 1 || *arguments.level > levels)) {
+    throw UsageError("--level " + std::to_string(*arguments.level) + ": the tree of " + body.name +
+                     " has levels 1 to " + std::to_string(levels));
+  }
+  const std::string text =
+      ToSph(SphOf(body.tree, arguments.level.value_or(0)), MetresPerUnit(arguments.unit));
+  WriteText(arguments.output, text);
   std::printf("wrote %s: the tree of %s (%.1f MB)\n", arguments.output.c_str(), body.name.c_str(),
-              1e-6 * double(bytes.size()));
+              1e-6 * double(text.size()));
 }
 
 void List() {
@@ -220,8 +216,7 @@ void New(const Arguments& arguments) {
   }
   const MeshScene scene = MakeMeshScene(arguments.scene, arguments.mesh,
                                         fs::path(arguments.output).parent_path().string());
-  WriteFileAtomically(arguments.output, {reinterpret_cast<const std::uint8_t*>(scene.text.data()),
-                                         scene.text.size()});
+  WriteText(arguments.output, scene.text);
   for (const std::string& assumption : scene.assumptions) std::puts(Printable(assumption).c_str());
   std::printf("wrote %s; serve it with: palpate-server --scene %s\n",
               Printable(arguments.output).c_str(), ShellWord(arguments.output).c_str());
@@ -277,19 +272,11 @@ void AddBuild(const CommandLine& app, Arguments& arguments) {
 }
 
 void AddInfo(const CommandLine& app, Arguments& arguments) {
-  const CommandLine info =
-      AddSceneCommand(app, arguments, "info",
-                      "print features, bodies, materials, sizes, hash and tree errors of a scene\n"
-                      "Tree errors are the distances of each level of each tree from its mesh.",
-                      SceneHelp(), "bunny-bunny --csv levels.csv");
-  info.Add("--samples", arguments.info.samples, "number of sample points on each surface")
-      .Range(std::size_t{100}, std::size_t{10'000'000})
-      .ShowDefault();
-  info.Add("--csv", arguments.info.csv,
-           "write the tree errors to this file, one line per level; -: standard output");
-  info.Add("--json", arguments.info.json,
-           "write the tree errors to this file as one JSON object; -: standard output");
-  info.Run([&] { Info(arguments); });
+  AddSceneCommand(app, arguments, "info",
+                  "print features, bodies, materials, sizes, hash and tree errors of a scene\n"
+                  "Tree errors are the distances of each level of each tree from its mesh.",
+                  SceneHelp(), "bunny-bunny")
+      .Run([&] { Info(arguments); });
 }
 
 void AddCheck(const CommandLine& app, Arguments& arguments) {
@@ -302,15 +289,12 @@ void AddCheck(const CommandLine& app, Arguments& arguments) {
 void AddRender(const CommandLine& app, Arguments& arguments) {
   const CommandLine render =
       AddSceneCommand(app, arguments, "render", "draw mesh and spheres of every level as a PNG",
-                      SceneHelp(), "bunny-bunny --error -o error.png");
+                      SceneHelp(), "bunny-bunny -o bunny.png");
   render.Add("-o,--output", arguments.output, "picture to write (.png)").Required();
-  render.Add("--level", arguments.level, "draw only this level, counted from 1");
-  render.AddFlag(
-      "--error", arguments.error,
-      "draw the distance of the spheres of a body's last levels from its mesh, as colours");
-  render.Add("--body", arguments.body,
-             "with --error: name of a tool or object; default: the first object");
-  render.AddFlag("--whole", arguments.whole, "draw the whole scene instead of its bodies");
+  const Option level =
+      render.Add("--level", arguments.level, "draw only this level, counted from 1");
+  render.AddFlag("--whole", arguments.whole, "draw the whole scene instead of its bodies")
+      .Excludes(level);
   render.Run([&] { Render(arguments); });
 }
 
@@ -327,24 +311,19 @@ void AddNew(const CommandLine& app, Arguments& arguments) {
 void AddExport(const CommandLine& app, Arguments& arguments) {
   const CommandLine export_tree = AddSceneCommand(
       app, arguments, "export",
-      "write the sphere tree of a body, in the body's frame, for other programs\n"
-      "  .sph  format of the Sphere-Tree Construction Toolkit: \"levels degree\", then\n"
-      "        one line 'x y z radius importance' per slot, breadth first; radius -1:\n"
-      "        unused.  A root is added, so that level N here is level N + 1 there.  A\n"
-      "        scene file reads it as \"tree\": {\"file\": ...}\n"
-      "  .ply  the spheres of a level as small coloured icospheres, binary\n"
-      "  .glb  the same as glTF, in metres",
+      "write the sphere tree of a body, in the body's frame, as a .sph of the\n"
+      "Sphere-Tree Construction Toolkit: \"levels degree\", then one line\n"
+      "'x y z radius importance' per slot, breadth first; radius -1: unused.  A root\n"
+      "is added, so that level N here is level N + 1 there.  A scene file reads it as\n"
+      "\"tree\": {\"file\": ...}",
       SceneHelp(), "bunny-bunny -o bunny.sph --unit mm");
-  export_tree.Add("-o,--output", arguments.output, "file to write (.sph, .ply or .glb)").Required();
+  export_tree.Add("-o,--output", arguments.output, "file to write (.sph)").Required();
   export_tree.Add("--body", arguments.body, "name of a tool or object; default: the first object");
-  export_tree.Add(
-      "--level", arguments.level,
-      "level, counted from 1, the coarsest, as by info.  .ply, .glb: the level to write; "
-      "default: the leaves.  .sph: the last level to write; default: all");
-  export_tree
-      .Add("--unit", arguments.unit,
-           "unit of a .sph or .ply; default: mm (a .sph has six decimals)")
-      .OneOf({kUnits.begin(), kUnits.end()});
+  export_tree.Add("--level", arguments.level,
+                  "the last level to write, counted from 1, the coarsest, as by info");
+  export_tree.Add("--unit", arguments.unit, "unit of its numbers, which have six decimals")
+      .OneOf({kUnits.begin(), kUnits.end()})
+      .ShowDefault();
   export_tree.Run([&] { Export(arguments); });
 }
 
@@ -361,7 +340,7 @@ int Main(int argc, char** argv) {
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
       "  palpate-scene build tooth.stl --tolerance-um 50\n"
       "  palpate-scene render bunny.palpate -o bunny.png\n"
-      "  palpate-scene export bunny-bunny -o bunny.glb\n"
+      "  palpate-scene export bunny-bunny -o bunny.sph\n"
       "'palpate-scene COMMAND --help' explains a command.");
   Arguments arguments;
   app.RequireCommands(1, 1);

@@ -102,12 +102,6 @@ void Canvas::Place(const Tile& tile, int x, int y) {
   }
 }
 
-void Canvas::Fill(int x, int y, int width, int height, const Colour& colour) {
-  for (int row = y; row < y + height; ++row) {
-    for (int column = x; column < x + width; ++column) Set(column, row, colour);
-  }
-}
-
 void Canvas::Write(std::string_view text, int x, int y) {
   for (const char c : text) {
     const std::size_t letter = kLetters.find(c);
@@ -120,10 +114,6 @@ void Canvas::Write(std::string_view text, int x, int y) {
     }
     x += kLetterWidth;
   }
-}
-
-void Canvas::WriteCentred(std::string_view text, int x, int y) {
-  Write(text, x - static_cast<int>(text.size()) * kLetterWidth / 2, y);
 }
 
 void Canvas::Save(const std::string& png_file) const {

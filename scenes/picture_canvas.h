@@ -10,22 +10,18 @@
 
 namespace palpate {
 
-/// A picture of tiles, bars and letters that is saved as a PNG.
+/// A picture of tiles and letters that is saved as a PNG.
 class Canvas {
  public:
-  static constexpr int kLetterWidth = 12,
-                       kLetterHeight = 14;  ///< of a letter, without descenders [pixels]
+  static constexpr int kLetterWidth = 12;  ///< [pixels]
 
   /// Begins with a white picture.
   Canvas(int width, int height);
 
   /// @param x, y  the upper left corner, here and below; what lies outside the picture is cut off.
   void Place(const Tile& tile, int x, int y);
-  void Fill(int x, int y, int width, int height, const Colour& colour);
   /// Writes ASCII text; a character without a glyph leaves a gap.
   void Write(std::string_view text, int x, int y);
-  /// Writes the text centred at x.
-  void WriteCentred(std::string_view text, int x, int y);
 
   /// Throws Error if the file cannot be written.
   void Save(const std::string& png_file) const;

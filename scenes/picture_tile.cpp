@@ -12,7 +12,6 @@ namespace palpate {
 namespace {
 
 constexpr double kFill = 0.78;  // diameter of the mesh, as a share of a tile's side
-constexpr std::uint32_t kNothing = 0xffffffffu;
 
 std::pair<int, int> Span(int size, double low, double high) {
   return {std::clamp(static_cast<int>(low), 0, size),
@@ -25,8 +24,7 @@ Tile::Tile(const Vec3& centre, double radius)
     : centre_(centre),
       scale_(0.5 * kFill * kFine / radius),
       depth_(kFine * kFine, -std::numeric_limits<double>::infinity()),
-      colour_(kFine * kFine),
-      triangle_(kFine * kFine, kNothing) {
+      colour_(kFine * kFine) {
   for (int y = 0; y < kFine; ++y) {
     const Colour sky = Colour(0.93, 0.95, 0.97) - 0.18 * y / kFine;
     std::fill_n(colour_.begin() + y * kFine, kFine, sky);
@@ -47,9 +45,7 @@ void Tile::Draw(const TriangleMesh& mesh, const Colour& colour) {
     const Vec3 n = (mesh.vertices[j] - a).cross(mesh.vertices[k] - a);
     for (std::uint32_t v : {i, j, k}) normals[v] += n;
   }
-  std::fill(triangle_.begin(), triangle_.end(), kNothing);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& triangle = mesh.triangles[t];
+  for (const auto& triangle : mesh.triangles) {
     std::array<Vec3, 3> p;
     std::array<Vec3, 3> n;
     const Vec3& a = mesh.vertices[triangle[0]];
@@ -61,7 +57,7 @@ void Tile::Draw(const TriangleMesh& mesh, const Colour& colour) {
       const Vec3 smooth = normals[triangle[c]].normalized();
       n[c] = view_ * (smooth.dot(facet) > 0.77 ? smooth : facet);
     }
-    DrawTriangle(t, p, n, colour);
+    DrawTriangle(p, n, colour);
   }
 }
 
@@ -104,36 +100,6 @@ void Tile::ShadeHollows() {
   for (std::size_t i = 0; i < light.size(); ++i) colour_[i] *= light[i];
 }
 
-void Tile::Paint(
-    const TriangleMesh& mesh,
-    const std::function<std::vector<Colour>(const std::vector<SurfaceSample>&)>& colours) {
-  // One point for each final pixel, because `colours` may take long.
-  const auto cell_of = [](int x, int y) { return y / kOversampling * kSide + x / kOversampling; };
-  std::vector<std::uint32_t> asked(kSide * kSide, kNothing);
-  std::vector<SurfaceSample> points;
-  for (int y = 0; y < kFine; ++y) {
-    for (int x = 0; x < kFine; ++x) {
-      const std::uint32_t t = triangle_[y * kFine + x];
-      std::uint32_t& point = asked[cell_of(x, y)];
-      if (t == kNothing || point != kNothing) continue;
-      SurfaceSample s;
-      s.point = FromPixels(x, y, depth_[y * kFine + x]);
-      s.outward = TriangleOf(mesh, t).Across().normalized();
-      s.triangle = t;
-      point = static_cast<std::uint32_t>(points.size());
-      points.push_back(s);
-    }
-  }
-  const std::vector<Colour> painted = colours(points);
-  for (int y = 0; y < kFine; ++y) {
-    for (int x = 0; x < kFine; ++x) {
-      if (triangle_[y * kFine + x] == kNothing) continue;
-      Colour& colour = colour_[y * kFine + x];
-      colour = painted[asked[cell_of(x, y)]] * (0.6 + 0.4 * colour);
-    }
-  }
-}
-
 Colour Tile::At(int x, int y) const {
   Colour sum = Colour::Zero();
   for (int dy = 0; dy < kOversampling; ++dy) {
@@ -143,18 +109,14 @@ Colour Tile::At(int x, int y) const {
   }
   return sum / (kOversampling * kOversampling);
 }
+
 Vec3 Tile::ToPixels(const Vec3& p) const {
   const Vec3 v = scale_ * (view_ * (p - centre_));
   return {0.5 * kFine + v.x(), 0.5 * kFine - v.y(), v.z()};
 }
 
-Vec3 Tile::FromPixels(int x, int y, double z) const {
-  const Vec3 v(x + 0.5 - 0.5 * kFine, 0.5 * kFine - y - 0.5, z);
-  return centre_ + view_.transpose() * v / scale_;
-}
-
-void Tile::DrawTriangle(std::uint32_t triangle, const std::array<Vec3, 3>& p,
-                        const std::array<Vec3, 3>& n, const Colour& colour) {
+void Tile::DrawTriangle(const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& n,
+                        const Colour& colour) {
   const auto [x0, x1] = Span(kFine, std::min({p[0].x(), p[1].x(), p[2].x()}),
                              std::max({p[0].x(), p[1].x(), p[2].x()}));
   const auto [y0, y1] = Span(kFine, std::min({p[0].y(), p[1].y(), p[2].y()}),
@@ -172,16 +134,14 @@ void Tile::DrawTriangle(std::uint32_t triangle, const std::array<Vec3, 3>& p,
       if (u < 0.0 || v < 0.0 || w < 0.0) continue;
       Vec3 normal = (u * n[0] + v * n[1] + w * n[2]).normalized();
       if (normal.z() < 0.0) normal = -normal;  // back of an open mesh
-      if (Put(x, y, u * p[0].z() + v * p[1].z() + w * p[2].z(), normal, colour)) {
-        triangle_[y * kFine + x] = triangle;
-      }
+      Put(x, y, u * p[0].z() + v * p[1].z() + w * p[2].z(), normal, colour);
     }
   }
 }
 
-bool Tile::Put(int x, int y, double z, const Vec3& normal, const Colour& colour) {
+void Tile::Put(int x, int y, double z, const Vec3& normal, const Colour& colour) {
   double& depth = depth_[y * kFine + x];
-  if (z <= depth) return false;
+  if (z <= depth) return;
   depth = z;
   static const Vec3 kKey = Vec3(-0.5, 0.65, 0.6).normalized();
   static const Vec3 kShine = (kKey + Vec3::UnitZ()).normalized();
@@ -189,7 +149,6 @@ bool Tile::Put(int x, int y, double z, const Vec3& normal, const Colour& colour)
   const double sky = 0.5 + 0.5 * normal.y();
   const double shine = std::pow(std::max(0.0, normal.dot(kShine)), 40.0);
   colour_[y * kFine + x] = colour * (0.22 + 0.28 * sky + 0.62 * key) + 0.12 * shine;
-  return true;
 }
 
 }  // namespace palpate

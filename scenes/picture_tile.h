@@ -2,11 +2,9 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "common/math/pose.h"
-#include "scenes/mesh/surface_samples.h"
 #include "scenes/scene.h"
 
 namespace palpate {
@@ -28,13 +26,6 @@ class Tile {
   /// Darkens hollows: each pixel by the share of points around it that are nearer to the eye.
   void ShadeHollows();
 
-  /// Recolours the visible part of a mesh, with less shading, so that colours can be compared.
-  /// @param mesh      the one that was drawn last.
-  /// @param colours   returns one colour for each point of its surface; `outward` is
-  ///                  its triangle's normal.
-  void Paint(const TriangleMesh& mesh,
-             const std::function<std::vector<Colour>(const std::vector<SurfaceSample>&)>& colours);
-
   Colour At(int x, int y) const;
 
  private:
@@ -42,18 +33,15 @@ class Tile {
   static constexpr int kFine = kSide * kOversampling;
 
   Vec3 ToPixels(const Vec3& p) const;
-  Vec3 FromPixels(int x, int y, double z) const;
-  void DrawTriangle(std::uint32_t triangle, const std::array<Vec3, 3>& p,
-                    const std::array<Vec3, 3>& n, const Colour& colour);
-  bool Put(int x, int y, double z, const Vec3& normal, const Colour& colour);
+  void DrawTriangle(const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& n,
+                    const Colour& colour);
+  void Put(int x, int y, double z, const Vec3& normal, const Colour& colour);
 
   Vec3 centre_;
   double scale_;  ///< pixels per metre
   Mat3 view_;
   std::vector<double> depth_;
   std::vector<Colour> colour_;
-  /// of the last mesh, at each pixel; kNothing: it is not visible there
-  std::vector<std::uint32_t> triangle_;
 };
 
 }  // namespace palpate

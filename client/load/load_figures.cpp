@@ -1,8 +1,6 @@
 #include "client/load/load_figures.h"
 
 #include <algorithm>
-#include <utility>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -16,17 +14,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMost = 0.01;  // largest share of late poses, and of lost frames
-// Of a core: with the kernel's share of its work, the thread is then busy all the time.
-constexpr double kFullThread = 0.85;
-constexpr double kFullMachine = 0.9;
 constexpr double kToMs = 1e-6;
 
-std::string CpuText(const std::optional<ProcessUse>& use) {
-  return use ? fmt::format("{:.2f}", use->cpu) : "-";
+std::string CpuText(const std::optional<double>& use) {
+  return use ? fmt::format("{:.2f}", *use) : "-";
 }
 
-Json CpuJson(const std::optional<ProcessUse>& use) {
-  return use ? Json(use->cpu) : Json(nullptr);
+Json CpuJson(const std::optional<double>& use) {
+  return use ? Json(*use) : Json(nullptr);
 }
 
 }  // namespace
@@ -85,41 +80,9 @@ std::string VerdictText(const LoadFigures& f) {
   return because.empty() ? "holds" : "does not hold, because " + because;
 }
 
-std::string LimitingResource(const LoadFigures& f, int cores) {
-  std::vector<std::pair<std::string, ProcessUse>> processes{{"palpate-load", f.self}};
-  if (f.server) processes.emplace_back("palpate-server", *f.server);
-  if (f.gateway) processes.emplace_back("palpate-viewer", *f.gateway);
-  std::ranges::sort(processes,
-                    [](const auto& a, const auto& b) { return a.second.cpu > b.second.cpu; });
-  std::string uses;
-  double known = 0.0;
-  for (const auto& [name, use] : processes) {
-    uses += fmt::format("{}{} {:.2f}", uses.empty() ? "" : ", ", name, use.cpu);
-    known += use.cpu;
-  }
-  const double others = std::max(0.0, f.machine_busy * cores - known);
-  uses += fmt::format(", all else {:.2f}", others);
-  for (const auto& [name, use] : processes) {
-    if (use.busiest_thread < kFullThread) continue;
-    return fmt::format("one thread of {} ({}), which fills {:.2f} of its core; cores used: {}",
-                       name, use.busiest_name, use.busiest_thread, uses);
-  }
-  if (f.machine_busy >= kFullMachine) {
-    return fmt::format("the machine's {} cores, {:.0f} % busy{}; cores used: {}", cores,
-                       100.0 * f.machine_busy,
-                       others > known ? ", most of it with other programs" : "", uses);
-  }
-  return fmt::format(
-      "no core is fully used ({:.0f} % busy): threads wait for each other on {} cores; cores used: "
-      "{}",
-      100.0 * f.machine_busy, cores, uses);
-}
-
 std::string ToText(const LoadFigures& f) {
-  std::string text = fmt::format("{} stations, {} viewers", f.stations, f.viewers);
-  if (f.stalled > 0) text += fmt::format(", {} stalled", f.stalled);
-  if (f.dds_viewers > 0) text += fmt::format(", {} DDS viewers", f.dds_viewers);
-  text += fmt::format(", {:.1f} s\n", f.seconds);
+  std::string text =
+      fmt::format("{} stations, {} viewers, {:.1f} s\n", f.stations, f.viewers, f.seconds);
   if (f.stations > 0) {
     text += fmt::format("  rate         {:.1f} Hz, worst station {:.1f} Hz, over {}\n", f.sum.hz(),
                         f.sum.worst_hz, f.transport);
@@ -139,21 +102,15 @@ std::string ToText(const LoadFigures& f) {
         f.viewers_gone);
     text += "  frame age    " + PercentileText(f.frame_age, kToMs, "ms") + "\n";
   }
-  if (f.dds_viewers > 0) {
-    text += fmt::format("  DDS frames   {}, {} lost\n", f.dds_frames, f.dds_lost);
-    text += "  DDS age      " + PercentileText(f.dds_frame_age, kToMs, "ms") + "\n";
-  }
   text += fmt::format(
       "  cores used   server {}, gateway {}, this program {:.2f}; machine {:.0f} % busy\n",
-      CpuText(f.server), CpuText(f.gateway), f.self.cpu, 100.0 * f.machine_busy);
+      CpuText(f.server), CpuText(f.gateway), f.self, 100.0 * f.machine_busy);
   return text + VerdictText(f) + "\n";
 }
 
 std::string ToJson(const LoadFigures& f) {
   const Json json = {{"stations", f.stations},
                      {"viewers", f.viewers},
-                     {"stalled_viewers", f.stalled},
-                     {"dds_viewers", f.dds_viewers},
                      {"seconds", f.seconds},
                      {"holds", Holds(f)},
                      {"transport", f.transport},
@@ -168,18 +125,14 @@ std::string ToJson(const LoadFigures& f) {
                      {"server_step_us", PercentileJson<Json>(f.sum.server_step)},
                      {"server_cpu_fraction", CpuJson(f.server)},
                      {"gateway_cpu_fraction", CpuJson(f.gateway)},
-                     {"load_cpu_fraction", f.self.cpu},
+                     {"load_cpu_fraction", f.self},
                      {"machine_busy_fraction", f.machine_busy},
                      {"load_averages_before", f.load_averages},
                      {"viewer_frames", f.viewer_frames},
                      {"frames_due", f.frames_due},
                      {"lost", f.lost},
                      {"viewers_gone", f.viewers_gone},
-                     {"frame_age_ms", PercentileJson<Json>(f.frame_age, kToMs)},
-                     {"dds_viewer_frames", f.dds_frames},
-                     {"dds_frames_due", f.dds_frames_due},
-                     {"dds_lost", f.dds_lost},
-                     {"dds_frame_age_ms", PercentileJson<Json>(f.dds_frame_age, kToMs)}};
+                     {"frame_age_ms", PercentileJson<Json>(f.frame_age, kToMs)}};
   return json.dump(2) + "\n";
 }
 

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "client/load/process_use.h"
 #include "client/station/station_core.h"
 #include "common/realtime/histogram.h"
 
@@ -36,25 +35,19 @@ struct StationSum {
 struct LoadFigures {
   std::size_t stations = 0;
   std::size_t viewers = 0;  ///< over WebSocket
-  std::size_t stalled = 0;
-  std::size_t dds_viewers = 0;
   double seconds = 0.0;
-  double rate_hz = 0.0;  ///< of each station's frames at a viewer
   std::string transport;
   std::string load_averages;  ///< before the run
   StationSum sum;
-  std::optional<ProcessUse> server, gateway;  ///< nothing: its process is not known
-  ProcessUse self;
+  // Processor use, in fractions of one core; nothing: the process is not known.
+  std::optional<double> server, gateway;
+  double self = 0.0;
   double machine_busy = 0.0;  ///< fraction, of all cores
   std::uint64_t viewer_frames = 0;
   std::uint64_t frames_due = 0;  ///< from our own stations; viewer_frames also counts others
   std::uint64_t lost = 0;        ///< of the frames that were due
   std::size_t viewers_gone = 0;
   Histogram frame_age;
-  std::uint64_t dds_frames = 0;
-  std::uint64_t dds_frames_due = 0;
-  std::uint64_t dds_lost = 0;
-  Histogram dds_frame_age;
 
   double lost_fraction() const;
 };
@@ -66,10 +59,6 @@ bool Holds(const LoadFigures& figures);
 /// Returns the verdict for people: "holds", or "does not hold, because" and each criterion that
 /// it fails.
 std::string VerdictText(const LoadFigures& figures);
-
-/// Returns the resource that sets the limit if a run does not hold: a thread that fills a core, or
-/// all cores together and the processes that use them; or neither.
-std::string LimitingResource(const LoadFigures& figures, int cores);
 
 /// Returns the figures for people, ending with the verdict.
 std::string ToText(const LoadFigures& figures);

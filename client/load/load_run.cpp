@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <list>
 #include <memory>
 
 #include <spdlog/fmt/fmt.h>
@@ -10,13 +9,12 @@
 #include <unistd.h>
 
 #include "client/load/frame_tally.h"
+#include "client/load/process_use.h"
 #include "client/load/web_viewers.h"
 #include "client/station/reply.h"
 #include "client/station/servo_thread.h"
 #include "client/station/session_link.h"
 #include "client/station/station_core.h"
-#include "common/dds/endpoint.h"
-#include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/realtime/steady_clock.h"
 #include "devices/device.h"
@@ -29,7 +27,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kPoll{10};
 constexpr double kWarmUp_s = 1.0;
-constexpr double kServerFrames_hz = 60.0;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// Longest wait until every station has its session: a slower machine is far over its capacity.
 constexpr double kMatchPatience_s = 30.0;
@@ -85,29 +82,6 @@ class LoadStation {
   ReplyRing replies_;
   std::unique_ptr<ServoThread> servo_;
   std::unique_ptr<SessionLink> link_;  // destroyed first, so that the loop stops using the path
-};
-
-/// Viewers that read ToolState over DDS, each with its own participant; they share this process's
-/// receiving thread.
-class DdsViewers {
- public:
-  /// The tally must outlive it.  Throws Error.
-  DdsViewers(int domain, const dds::Network& network, std::size_t viewers, FrameTally& tally) {
-    for (std::size_t i = 0; i < viewers; ++i) {
-      Viewer& viewer =
-          viewers_.emplace_back(Viewer{dds::Participant::Service(domain, network), {}});
-      viewer.reader = {
-          viewer.participant, dds::kToolStateTopic, dds::Qos::kStream,
-          [i, &tally](const wire::ToolState& frame) { tally.Add(i, frame, SteadyNanoseconds()); }};
-    }
-  }
-
- private:
-  struct Viewer {
-    dds::Participant participant;
-    dds::Reader<wire::ToolState> reader;
-  };
-  std::list<Viewer> viewers_;
 };
 
 using Stations = std::vector<std::unique_ptr<LoadStation>>;
@@ -168,8 +142,8 @@ Times TimesNow(std::optional<int> server, std::optional<int> gateway) {
   return times;
 }
 
-std::optional<ProcessUse> Use(const std::optional<ProcessTimes>& begin,
-                              const std::optional<ProcessTimes>& end) {
+std::optional<double> Use(const std::optional<ProcessTimes>& begin,
+                          const std::optional<ProcessTimes>& end) {
   if (!begin || !end) return std::nullopt;
   return UseBetween(*begin, *end);
 }
@@ -200,20 +174,17 @@ class Glance {
 }  // namespace
 
 std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& size,
-                                   StopSignal& stop, std::string* realtime) {
+                                   StopSignal& stop) {
   const LoadRunOptions& options = setting.options;
   LoadFigures figures;
   figures.stations = size.stations;
   figures.viewers = size.viewers;
-  figures.stalled = options.stalled;
-  figures.dds_viewers = options.dds_viewers;
-  figures.rate_hz = options.rate_hz;
   figures.load_averages = LoadAverages();
 
   // Declared first, so that viewers end before the stations, which they ask for the poses' ages.
   Stations stations;
   FrameTally::Setup setup;
-  setup.viewers = size.viewers;  // no frame is due to stalled viewers
+  setup.viewers = size.viewers;
   setup.stations = size.stations;
   setup.name = options.name;
   setup.rate_hz = options.rate_hz;
@@ -224,27 +195,20 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
     return stations[station]->servo().sample_time_ns(sequence);
   };
   FrameTally web_tally(setup);
-  setup.viewers = options.dds_viewers;
-  setup.rate_hz = kServerFrames_hz;
-  FrameTally dds_tally(setup);
   if (!Link(setting, size.stations, stations, stop)) return std::nullopt;
-  std::optional<DdsViewers> dds_viewers(std::in_place, options.domain, options.network,
-                                        options.dds_viewers, dds_tally);
   std::optional<WebViewers> web_viewers;
   // The stations are not polled while viewers connect; they keep running by themselves.
-  web_viewers.emplace(options.viewer_url, size.viewers, options.stalled, options.patience_s,
-                      web_tally, stop);
+  web_viewers.emplace(options.viewer_url, size.viewers, options.patience_s, web_tally, stop);
   setting.progress("warming up");
   if (!PollFor(stations, stop, kWarmUp_s)) return std::nullopt;
 
   const std::optional<int> server = ServerOf(options.domain);
   std::optional<int> gateway;
-  if (size.viewers + options.stalled > 0) gateway = ListenerAt(options.viewer_url.port);
+  if (size.viewers > 0) gateway = ListenerAt(options.viewer_url.port);
   const Times begin = TimesNow(server, gateway);
   const std::int64_t begin_ns = SteadyNanoseconds();
   for (const auto& station : stations) station->servo().RestartTotals();
   web_tally.Begin(begin_ns);
-  dds_tally.Begin(begin_ns);
 
   Glance glance(size.stations);
   const auto seconds = [&] { return 1e-9 * static_cast<double>(SteadyNanoseconds() - begin_ns); };
@@ -260,32 +224,25 @@ std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& s
   });
 
   web_tally.End(SteadyNanoseconds());
-  dds_tally.End(SteadyNanoseconds());
   const Times end = TimesNow(server, gateway);
   figures.seconds = seconds();
   for (const auto& station : stations) station->servo().BeginToStop();
   figures.viewers_gone = web_viewers->gone();
   web_viewers.reset();
-  dds_viewers.reset();
   for (const auto& station : stations) {
     station->servo().Stop();
     figures.sum.Add(station->totals(), station->servo().missed_ticks(),
                     station->link().reconnects());
     figures.transport = dds::ToString(station->link().transport().transport);
-    if (realtime) *realtime = station->link().realtime().summary;
   }
   figures.server = Use(begin.server, end.server);
   figures.gateway = Use(begin.gateway, end.gateway);
-  figures.self = Use(begin.self, end.self).value_or(ProcessUse{});
+  figures.self = Use(begin.self, end.self).value_or(0.0);
   figures.machine_busy = BusyBetween(begin.machine, end.machine);
   figures.viewer_frames = web_tally.frames();
   figures.frames_due = web_tally.due();
   figures.lost = web_tally.lost();
   figures.frame_age = web_tally.age();
-  figures.dds_frames = dds_tally.frames();
-  figures.dds_frames_due = dds_tally.due();
-  figures.dds_lost = dds_tally.lost();
-  figures.dds_frame_age = dds_tally.age();
   setting.progress("");
   if (size.stations > 0 && size.viewers > 0 && figures.viewer_frames == 0 && !stop.stopped()) {
     throw Error("the gateway at " + options.viewer_url.text() +

@@ -31,8 +31,7 @@ struct LoadSetting {
 
 /// Applies the load, measures it, and removes it again.  Returns nothing if `stop` came before the
 /// measurement began; if it comes later, returns the figures up to then.  Throws Error.
-/// @param realtime  if given, receives the real-time rights that the stations' loops were granted.
 std::optional<LoadFigures> RunOnce(const LoadSetting& setting, const LoadSize& size,
-                                   StopSignal& stop, std::string* realtime = nullptr);
+                                   StopSignal& stop);
 
 }  // namespace palpate

@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <optional>
-#include <utility>
+#include <vector>
 
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "client/load/capacity.h"
+#include "client/load/load_figures.h"
 #include "client/load/load_run.h"
 #include "client/load/scene_copies.h"
 #include "common/error.h"
@@ -18,10 +16,6 @@
 
 namespace palpate {
 namespace {
-
-constexpr double kFindSeconds = 3.0;
-constexpr int kFindAttempts = 2;
-constexpr std::size_t kMostViewers = 2000;
 
 /// Shows progress: on a terminal, a line on stderr that the next one replaces; otherwise, for a
 /// log, only every tenth second of a measurement.
@@ -50,116 +44,33 @@ std::vector<PoseScript> ScriptsOf(const LoadRunOptions& options,
   return scripts;
 }
 
-class Load {
- public:
-  Load(const LoadRunOptions& options, LoadSetting setting, StopSignal& stop)
-      : options_(options), setting_(std::move(setting)), stop_(stop) {
-    report_.machine = ThisHost();
-    report_.time = fmt::format("{:%F %R} UTC", fmt::gmtime(std::time(nullptr)));
-    report_.command = options.command;
-    report_.scene = setting_.tools.empty() ? "-" : setting_.tools.front().scene;
-  }
+/// Prints where a program that reads the JSON from standard output does not see it.
+void Say(const LoadRunOptions& options, const std::string& text) {
+  ShowProgress("");
+  std::FILE* const out = options.json == "-" ? stderr : stdout;
+  std::fputs(text.c_str(), out);
+  std::fflush(out);
+}
 
-  void RunGrid() {
-    for (const std::size_t stations : options_.stations) {
-      for (const std::size_t viewers : options_.viewers) {
-        if (stop_.stopped()) return;
-        Keep(Run({stations, viewers, options_.seconds}));
-      }
+void Write(const LoadRunOptions& options, const std::vector<LoadFigures>& runs) {
+  if (options.json.empty()) return;
+  std::string text;
+  for (const LoadFigures& run : runs) text += (text.empty() ? "" : ",") + ToJson(run);
+  WriteOutput("--json", options.json, runs.size() == 1 ? text : "[" + text + "]\n");
+}
+
+/// Runs each number of stations with each of viewers, or as many as there is time for.
+void RunGrid(const LoadSetting& setting, StopSignal& stop, std::vector<LoadFigures>& runs) {
+  for (const std::size_t stations : setting.options.stations) {
+    for (const std::size_t viewers : setting.options.viewers) {
+      if (stop.stopped()) return;
+      const auto figures = RunOnce(setting, {stations, viewers, setting.options.seconds}, stop);
+      if (!figures) continue;
+      Say(setting.options, ToText(*figures));
+      runs.push_back(*figures);
     }
   }
-
-  void Find() {
-    const std::size_t tools = setting_.tools.size();
-    Search("stations", "1 kHz and no viewers", tools,
-           fmt::format("the server's scenes have {} tools; make a scene with more by --make-scene",
-                       tools),
-           [](std::size_t n) { return std::pair(n, std::size_t{0}); });
-    if (stop_.stopped()) return;
-    const std::size_t stations = options_.stations.front();
-    try {
-      Search("viewers", fmt::format("{:.0f} Hz beside {} stations", options_.rate_hz, stations),
-             kMostViewers, "no more were tried",
-             [stations](std::size_t n) { return std::pair(stations, n); });
-    } catch (const Error& error) {
-      Say(std::string("viewers are not searched for: ") + error.what() + "\n");
-    }
-  }
-
-  /// Writes the figures of the runs before one that failed, if any.
-  void WriteWhatThereIs() const {
-    if (!report_.runs.empty()) Write();
-  }
-  void Write() const {
-    if (!options_.json.empty()) WriteOutput("--json", options_.json, Json());
-    if (!options_.report.empty()) WriteOutput("--report", options_.report, ToMarkdown(report_));
-  }
-
- private:
-  std::optional<LoadFigures> Run(const LoadSize& size) {
-    return RunOnce(setting_, size, stop_, &report_.realtime);
-  }
-
-  void Keep(const std::optional<LoadFigures>& figures) {
-    if (!figures) return;
-    Say(ToText(*figures));
-    report_.runs.push_back(*figures);
-  }
-
-  /// @param of  returns the stations and viewers of a run with n of the quantity that is searched.
-  template <class Of>
-  void Search(const std::string& what, const std::string& at, std::size_t most,
-              const std::string& no_more, Of of) {
-    const FoundLoad found =
-        FindLoad(most, kFindAttempts, [&](std::size_t n) -> std::optional<LoadFigures> {
-          if (stop_.stopped()) return std::nullopt;
-          const auto [stations, viewers] = of(n);
-          const auto figures = Run({stations, viewers, std::min(options_.seconds, kFindSeconds)});
-          if (!figures || stop_.stopped()) return std::nullopt;
-          Say(fmt::format("{} {}: {:.3f} % late, {:.1f} % of the frames lost: {}\n", n, what,
-                          100.0 * figures->sum.late_fraction(), 100.0 * figures->lost_fraction(),
-                          VerdictText(*figures)));
-          return figures;
-        });
-    if (stop_.stopped()) return;
-    const Capacity& capacity = found.capacity;
-    if (found.held) report_.runs.push_back(*found.held);
-    if (found.failed) report_.runs.push_back(*found.failed);
-    std::string why = no_more;
-    if (capacity.fails > 0) {
-      why = found.failed ? LimitingResource(*found.failed, report_.machine.cores) : found.refusal;
-    }
-    const std::string limit = fmt::format(
-        "{} {} at {}{}: {}", capacity.holds, what, at,
-        capacity.fails > 0 ? fmt::format("; {} do not hold", capacity.fails) : std::string(" hold"),
-        why);
-    Say("limit: " + limit + "\n");
-    report_.limits.push_back(limit);
-  }
-
-  std::string Json() const {
-    if (report_.runs.size() == 1 && !options_.find) return ToJson(report_.runs.front());
-    std::string text = "[";
-    for (const LoadFigures& run : report_.runs) {
-      if (text.size() > 1) text += ",";
-      text += ToJson(run);
-    }
-    return text + "]\n";
-  }
-
-  void Say(const std::string& text) const {
-    ShowProgress("");
-    // If the JSON goes to standard output, a program reads that.
-    std::FILE* const out = options_.json == "-" ? stderr : stdout;
-    std::fputs(text.c_str(), out);
-    std::fflush(out);
-  }
-
-  const LoadRunOptions& options_;
-  LoadSetting setting_;
-  StopSignal& stop_;
-  CapacityReport report_;
-};
+}
 
 /// Does what the options ask for, until it is complete or a signal comes.  Throws Error.
 int RunLoad(const LoadRunOptions& options) {
@@ -174,12 +85,11 @@ int RunLoad(const LoadRunOptions& options) {
   }
   // Checked before the runs, which may take hours.
   if (!options.json.empty()) CheckOutput("--json", options.json);
-  if (!options.report.empty()) CheckOutput("--report", options.report);
   const std::size_t stations = *std::ranges::max_element(options.stations);
   LoadSetting setting{options, {}, {}, ShowProgress};
   // Kept open, so that the domain is not created anew for each run.
   const dds::Participant service = dds::Participant::Service(options.domain, options.network);
-  if (stations > 0 || options.find) {
+  if (stations > 0) {
     setting.tools = AskForTools(service, {options.domain, options.network, options.patience_s},
                                 options.scene, stop);
     if (stop.stopped()) return 0;
@@ -191,15 +101,14 @@ int RunLoad(const LoadRunOptions& options) {
           stations, setting.tools.size(), stations));
     }
   }
-  Load load(options, std::move(setting), stop);
+  std::vector<LoadFigures> runs;
   try {
-    if (!options.find || !options.report.empty()) load.RunGrid();
-    if (options.find) load.Find();
+    RunGrid(setting, stop, runs);
   } catch (const std::exception&) {
-    load.WriteWhatThereIs();
+    if (!runs.empty()) Write(options, runs);
     throw;
   }
-  load.Write();
+  Write(options, runs);
   return 0;
 }
 

@@ -11,9 +11,9 @@ namespace {
 
 constexpr const char* kAbout =
     R"(Load test of a running palpate-server and its palpate-viewer.
-Simulates stations at 1 kHz, and viewers over WebSocket and DDS.  Reports the
-rate and round trip that were reached, the late poses, what the viewers
-received, and what each process cost.
+Simulates stations at 1 kHz, and viewers over WebSocket.  Reports the rate
+and round trip that were reached, the late poses, what the viewers received, and
+what each process cost.
 )";
 
 constexpr const char* kExamples =
@@ -22,12 +22,8 @@ constexpr const char* kExamples =
       a scene like 'cube', with 32 balls, since each station needs its own tool
   palpate-server --scene /tmp/many.json & palpate-viewer --http 8765 &
   palpate-load --scene /tmp/many.json --stations 8 --viewers 50 --json -
-  palpate-load --scene /tmp/many.json --find
-      the largest number of stations, then of viewers, at which fewer than 1 %
-      of the poses are late, and what limits it
-  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200 \
-               --report capacity.md
-      a table of all combinations
+  palpate-load --scene /tmp/many.json --stations 1,4,16 --viewers 0,50,200
+      all combinations; each says whether it holds
   palpate-load --stations 4 --network eth0
       a server on another host, also started with --network
   palpate-identities add lab load load
@@ -74,18 +70,9 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
       .Commas()
       .Range(0, 10000)
       .ShowDefault();
-  app.Add("--stalled-viewers", options.stalled,
-          "further viewers, which connect and then read nothing")
-      .Range(0, 10000)
-      .ShowDefault();
-  app.Add("--dds-viewers", options.dds_viewers, "viewers that read DDS directly")
-      .Range(0, 1000)
-      .ShowDefault();
   app.Add("--seconds", options.seconds, "duration of each run, after one second to warm up")
       .Range(0.5, 86400.0)
       .ShowDefault();
-  app.AddFlag("--find", options.find,
-              "find the largest load that is sustained, by runs of at most 3 s each");
   app.Add("--viewer-url", url, "the gateway's WebSocket").ShowDefault();
   app.Add("--rate", options.rate_hz, "updates of each tool per second, as given to palpate-viewer")
       .Range(1.0, 60.0)
@@ -104,7 +91,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
       .Positive()
       .ShowDefault();
   app.Add("--json", options.json, "write the figures as JSON to this file; -: standard output");
-  app.Add("--report", options.report, "write the capacity table to this file (Markdown)");
   app.Add("--make-scene", make_scene,
           "N FILE: write a scene file like --scene (default: cube), but with N tools, and exit")
       .Words(2);
@@ -131,11 +117,6 @@ std::optional<LoadRunOptions> ParseLoadOptions(int argc, const char* const* argv
   }
   options.viewer_url = ParseViewerUrl(url);
   ParseRealtimeMode(options.realtime);  // throws
-  for (int i = 0; i < argc; ++i) {
-    // The program's name only: its folder says nothing about the measurement.
-    const std::string word = argv[i];
-    options.command += i == 0 ? word.substr(word.rfind('/') + 1) : " " + word;
-  }
   return options;
 }
 

@@ -23,9 +23,7 @@ struct LoadRunOptions : ServerOptions {
   std::vector<std::size_t> stations{
       1};  ///< several: one run for each combination with an entry of `viewers`
   std::vector<std::size_t> viewers{0};
-  std::size_t stalled = 0;      ///< additional viewers that read nothing
-  std::size_t dds_viewers = 0;  ///< readers of ToolState over DDS
-  double seconds = 10.0;        ///< of each run, after its warm-up
+  double seconds = 10.0;  ///< of each run, after its warm-up
   ViewerUrl viewer_url;
   double rate_hz = 30.0;  ///< rate of the gateway's tool states
   std::string scene;      ///< name or file; empty: all that the server serves
@@ -34,10 +32,7 @@ struct LoadRunOptions : ServerOptions {
   dds::Transport transport = dds::Transport::kAuto;
   std::string realtime = "prefer";
   double patience_s = 10.0;
-  bool find = false;
   std::string json;        ///< file or "-"; empty: none
-  std::string report;      ///< Markdown file; empty: none
-  std::string command;     ///< as given, for the report
   std::size_t copies = 0;  ///< if not 0: writes `copies_file` and exits
   std::string copies_file;
 };

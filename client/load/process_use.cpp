@@ -11,7 +11,6 @@
 #include "common/dds/socket_owner.h"
 #include "common/files/whole_file.h"
 #include "common/realtime/steady_clock.h"
-#include "common/text/number_of.h"
 
 namespace palpate {
 namespace {
@@ -49,49 +48,28 @@ void AddListeners(const std::string& table, int port, std::set<std::string>& soc
 
 }  // namespace
 
-std::optional<StatLine> ParseStatLine(const std::string& line) {
+std::optional<std::uint64_t> TicksOf(const std::string& line) {
   // "PID (NAME) STATE ...": the name may contain blanks and brackets.  Times are fields 14 and 15.
-  const std::size_t open = line.find('(');
   const std::size_t close = line.rfind(')');
-  if (open == std::string::npos || close == std::string::npos || close < open) return std::nullopt;
+  if (close == std::string::npos) return std::nullopt;
   std::istringstream rest(line.substr(close + 1));
   std::string skipped;
   for (int field = 3; field < 14; ++field) rest >> skipped;
   std::uint64_t user = 0;
   std::uint64_t system = 0;
   if (!(rest >> user >> system)) return std::nullopt;
-  return StatLine{line.substr(open + 1, close - open - 1), user + system};
+  return user + system;
 }
 
 std::optional<ProcessTimes> TimesOf(int pid) {
-  const fs::path folder = fs::path("/proc") / std::to_string(pid);
-  const auto whole = ParseStatLine(TextOf(folder / "stat"));
-  if (!whole) return std::nullopt;
-  ProcessTimes times;
-  times.time_ns = SteadyNanoseconds();
-  times.cpu_s = Seconds(whole->ticks);
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder / "task", error)) {
-    const auto thread = ParseStatLine(TextOf(entry.path() / "stat"));
-    const auto id = NumberOf<int>(entry.path().filename().string());
-    if (thread && id) times.threads[*id] = {thread->name, Seconds(thread->ticks)};
-  }
-  return times;
+  const auto ticks = TicksOf(TextOf(fs::path("/proc") / std::to_string(pid) / "stat"));
+  if (!ticks) return std::nullopt;
+  return ProcessTimes{SteadyNanoseconds(), Seconds(*ticks)};
 }
 
-ProcessUse UseBetween(const ProcessTimes& begin, const ProcessTimes& end) {
+double UseBetween(const ProcessTimes& begin, const ProcessTimes& end) {
   const double seconds = 1e-9 * static_cast<double>(end.time_ns - begin.time_ns);
-  ProcessUse use;
-  if (!(seconds > 0.0)) return use;
-  use.cpu = (end.cpu_s - begin.cpu_s) / seconds;
-  for (const auto& [id, thread] : end.threads) {
-    const auto before = begin.threads.find(id);
-    const double used = thread.cpu_s - (before == begin.threads.end() ? 0.0 : before->second.cpu_s);
-    if (used / seconds <= use.busiest_thread) continue;
-    use.busiest_thread = used / seconds;
-    use.busiest_name = thread.name;
-  }
-  return use;
+  return seconds > 0.0 ? (end.cpu_s - begin.cpu_s) / seconds : 0.0;
 }
 
 MachineTimes ParseMachineTimes(const std::string& stat) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -9,31 +8,17 @@ namespace palpate {
 
 /// The processor time that a process has used up to a moment, from /proc.
 struct ProcessTimes {
-  struct Thread {
-    std::string name;
-    double cpu_s = 0.0;
-  };
   std::int64_t time_ns = 0;  ///< steady clock
   double cpu_s = 0.0;        ///< of all threads, including ended ones
-  std::map<int, Thread> threads;
 };
 /// Returns nothing if there is no such process.
 std::optional<ProcessTimes> TimesOf(int pid);
 
-/// The processor use between two moments, in fractions of one core.
-struct ProcessUse {
-  double cpu = 0.0;
-  double busiest_thread = 0.0;
-  std::string busiest_name;
-};
-ProcessUse UseBetween(const ProcessTimes& begin, const ProcessTimes& end);
+/// Returns the processor use between two moments, in fractions of one core.
+double UseBetween(const ProcessTimes& begin, const ProcessTimes& end);
 
-/// The name in a line of /proc/.../stat, and its user plus system time [clock ticks].
-struct StatLine {
-  std::string name;
-  std::uint64_t ticks = 0;
-};
-std::optional<StatLine> ParseStatLine(const std::string& line);
+/// Returns the user plus system time in a line of /proc/.../stat [clock ticks].
+std::optional<std::uint64_t> TicksOf(const std::string& line);
 
 /// The time that all cores together spent up to a moment [clock ticks].
 struct MachineTimes {

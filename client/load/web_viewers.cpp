@@ -88,8 +88,8 @@ struct Shared {
 
 class Viewer {
  public:
-  Viewer(net::io_context& io, Shared& shared, std::size_t index, bool reads)
-      : socket_(io), shared_(shared), index_(index), reads_(reads) {}
+  Viewer(net::io_context& io, Shared& shared, std::size_t index)
+      : socket_(io), shared_(shared), index_(index) {}
 
   void Start(const tcp::endpoint& endpoint) {
     socket_.next_layer().async_connect(endpoint, [this](beast::error_code error) {
@@ -130,7 +130,7 @@ class Viewer {
         shared_.tally.Add(index_, frame_, now_ns);
       }
       buffer_.clear();
-      if (reads_ || !subscribing_) Read();
+      Read();
     });
   }
 
@@ -169,7 +169,6 @@ class Viewer {
   websocket::stream<tcp::socket, false> socket_;  // false: no compression
   Shared& shared_;
   std::size_t index_;
-  bool reads_;
   bool subscribing_ = false;
   bool attached_ = false;
   websocket::response_type response_;
@@ -210,19 +209,18 @@ struct WebViewers::State {
   }
 };
 
-WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t stalled,
-                       double wait_s, FrameTally& tally, StopSignal& stop)
+WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, double wait_s, FrameTally& tally,
+                       StopSignal& stop)
     : state_(std::make_unique<State>(tally, url)) {
-  const std::size_t all = viewers + stalled;
-  if (all == 0) return;
-  AllowFiles(all);
+  if (viewers == 0) return;
+  AllowFiles(viewers);
   State& s = *state_;
   beast::error_code error;
   tcp::resolver resolver(s.io);
   const auto found = resolver.resolve(url.host, std::to_string(url.port), error);
   if (error) throw WhyNot(Trouble::kNobody, url, error.message());
-  for (std::size_t i = 0; i < all; ++i) {
-    s.viewers.push_back(std::make_unique<Viewer>(s.io, s.shared, i, i < viewers));
+  for (std::size_t i = 0; i < viewers; ++i) {
+    s.viewers.push_back(std::make_unique<Viewer>(s.io, s.shared, i));
   }
   s.shared.start_next = [&s, endpoint = found.begin()->endpoint()] {
     if (s.started < s.viewers.size()) s.viewers[s.started++]->Start(endpoint);
@@ -231,7 +229,7 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
   s.thread = std::thread([&s] { s.io.run(); });
 
   const std::int64_t until_ns = SteadyNanoseconds() + static_cast<std::int64_t>(1e9 * wait_s);
-  while (s.shared.attached < all) {
+  while (s.shared.attached < viewers) {
     {
       const std::lock_guard lock(s.shared.mutex);
       if (s.shared.trouble) throw WhyNot(*s.shared.trouble, url, s.shared.complaint);
@@ -240,7 +238,7 @@ WebViewers::WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t st
       const std::size_t attached = s.shared.attached;
       if (attached == 0) throw WhyNot(Trouble::kNobody, url, "no word within --wait");
       throw Error("the gateway at " + url.text() + " has accepted " + std::to_string(attached) +
-                  " of " + std::to_string(all) +
+                  " of " + std::to_string(viewers) +
                   " viewers within --wait; give fewer, or a longer one");
     }
     if (stop.WaitFor(std::chrono::milliseconds(5))) return;

@@ -15,10 +15,9 @@ class WebViewers {
  public:
   /// Returns when all viewers are connected and have subscribed, or when `stop` comes.  Throws
   /// Error if no gateway answers, or it accepts no more viewers.
-  /// @param stalled  additional viewers that read nothing after that.
-  /// @param tally    must outlive it.
-  WebViewers(const ViewerUrl& url, std::size_t viewers, std::size_t stalled, double wait_s,
-             FrameTally& tally, StopSignal& stop);
+  /// @param tally  must outlive it.
+  WebViewers(const ViewerUrl& url, std::size_t viewers, double wait_s, FrameTally& tally,
+             StopSignal& stop);
   /// Ends the thread; nothing is added to the tally after that.
   ~WebViewers();
   WebViewers(const WebViewers&) = delete;

@@ -7,11 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
-#include "common/files/output.h"
 #include "scenes/compiler/body_lines.h"
 #include "scenes/files/scene_bundle.h"
 #include "scenes/tree/tree_error.h"
@@ -21,6 +18,8 @@
 namespace palpate {
 namespace {
 
+constexpr std::size_t kSamples = 10007;  // of each surface; a prime, as other measurements use
+
 struct Measured {
   const char* kind;  ///< "tool" or "object"
   const Body* body;
@@ -28,7 +27,7 @@ struct Measured {
   const Body* same = nullptr;  ///< an earlier body of the same geometry
 };
 
-std::vector<Measured> MeasureBodies(const Scene& scene, std::size_t samples) {
+std::vector<Measured> MeasureBodies(const Scene& scene) {
   std::vector<Measured> all;
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const Body& body : *bodies) {
@@ -39,7 +38,7 @@ std::vector<Measured> MeasureBodies(const Scene& scene, std::size_t samples) {
         measured.same = same->body;
         measured.error.levels = same->error.levels;
       } else if (body.tree.origin != TreeOrigin::kBall) {
-        measured.error.levels = MeasureLevels(body.mesh, body.tree, samples);
+        measured.error.levels = MeasureLevels(body.mesh, body.tree, kSamples);
       }
       all.push_back(std::move(measured));
     }
@@ -101,39 +100,16 @@ std::string ErrorLines(const Measured& of, const LengthUnit& unit) {
   return LevelTable(of.error.levels, unit);
 }
 
-void WriteFigures(const Scene& scene, const std::vector<Measured>& bodies,
-                  const InfoOptions& options) {
-  std::string csv;
-  nlohmann::ordered_json json{{"scene", scene.name}, {"samples", options.samples}};
-  json["bodies"] = nlohmann::ordered_json::array();
-  for (const Measured& of : bodies) {
-    const std::string_view mode = NameOf(of.body->tree.origin);
-    csv += ToCsv(of.error, mode, csv.empty());
-    nlohmann::ordered_json entry{{"body", of.body->name}, {"kind", of.kind}, {"mode", mode}};
-    entry["levels"] = nlohmann::ordered_json::parse(ToJsonText(of.error))["levels"];
-    json["bodies"].push_back(std::move(entry));
-  }
-  if (!options.csv.empty()) WriteOutput("--csv", options.csv, csv);
-  if (!options.json.empty()) WriteOutput("--json", options.json, json.dump(2) + "\n");
-}
-
 }  // namespace
 
-std::string SceneInfo(const Scene& scene, const InfoOptions& options) {
-  for (const auto& [option, file] :
-       {std::pair("--csv", options.csv), std::pair("--json", options.json)}) {
-    if (!file.empty()) CheckOutput(option, file);  // before anything is measured
-  }
-  if (options.csv == "-" && options.json == "-") {
-    throw UsageError("--csv - and --json - both use standard output; give a file for one of them");
-  }
+std::string SceneInfo(const Scene& scene) {
   const std::vector<std::uint8_t> bytes = PackScene(scene);
   const std::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::string text = fmt::format(
       "{}: {} bytes, XXH64 {:016x}, coupling {:g} N/m and {:g} N m/rad\n", scene.name, bytes.size(),
       HashBytes(view, 0), scene.coupling.stiffness, scene.coupling.torsional_stiffness);
   text += FeaturesLine(scene.features);
-  const std::vector<Measured> bodies = MeasureBodies(scene, options.samples);
+  const std::vector<Measured> bodies = MeasureBodies(scene);
   std::vector<BodyTreeError> errors;
   for (const Measured& of : bodies) errors.push_back(of.error);
   const LengthUnit unit = UnitOf(errors);
@@ -146,7 +122,6 @@ std::string SceneInfo(const Scene& scene, const InfoOptions& options) {
   if (std::ranges::any_of(errors, [](const BodyTreeError& e) { return !e.levels.empty(); })) {
     text += AboutLevelTable();
   }
-  WriteFigures(scene, bodies, options);
   return text;
 }
 

@@ -25,7 +25,7 @@ struct Options {
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
   TreeSource file;  ///< compared with the trees that are built; none if it names no file
-  std::string json, errors;
+  std::string json;
 };
 
 /// The chapter compares 64 spheres with "a polygonal mesh with over 4,000 triangles".
@@ -70,17 +70,6 @@ Json ToJson(const SlidingForce& m) {
   json["truncation_um"] = ToJson(m.truncation_um);
   json["best_step_us"] = ToJson(PercentilesOf(m.step_us.best()));
   return json;
-}
-
-/// Writes the data of Figs. 2.17 and 2.18: the error of each component over time.
-void WriteErrors(const std::string& file, const std::vector<SlidingForce>& rows) {
-  std::string csv = "spheres,time_ms,error_x,error_y\n";
-  for (const SlidingForce& row : rows) {
-    for (std::size_t i = 0; i < row.errors.x.size(); ++i) {
-      csv += fmt::format("{},{},{:.6g},{:.6g}\n", row.spheres, i, row.errors.x[i], row.errors.y[i]);
-    }
-  }
-  WriteOutput("--errors", file, csv);
 }
 
 void Run(Options options) {
@@ -144,7 +133,6 @@ void Run(Options options) {
   table += "  humans notice 6-8 % of a force's strength\n";
   std::fputs(table.c_str(), stderr);
   if (!options.json.empty()) WriteJson(options.json, json);
-  if (!options.errors.empty()) WriteErrors(options.errors, rows);
 }
 
 }  // namespace
@@ -181,8 +169,6 @@ void AddAccuracy(const CommandLine& app) {
   Add(command, "--steps", experiment.steps, "samples of steady sliding").Positive();
   AddRepeats(command, experiment.repeats);
   AddJson(command, options->json);
-  Add(command, "--errors", options->errors,
-      "write the errors over time to this file (CSV); -: standard output");
   command.Run([options] { Run(*options); });
 }
 

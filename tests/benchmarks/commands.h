@@ -58,7 +58,6 @@ void AddPareto(const CommandLine& app);
 void AddPeers(const CommandLine& app);
 void AddQp(const CommandLine& app);
 void AddStability(const CommandLine& app);
-void AddTogether(const CommandLine& app);
 void AddTree(const CommandLine& app);
 void AddTruth(const CommandLine& app);
 

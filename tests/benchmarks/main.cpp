@@ -33,7 +33,6 @@ int Main(int argc, char** argv) {
   AddPeers(app);
   AddQp(app);
   AddStability(app);
-  AddTogether(app);
   AddTree(app);
   AddTruth(app);
   ParseCommandLine(app, argc, argv);

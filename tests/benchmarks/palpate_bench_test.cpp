@@ -1,20 +1,16 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <regex>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sph_file.h"
@@ -25,7 +21,6 @@ namespace palpate {
 namespace {
 
 using test::PalpateBench;
-using test::Program;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -47,17 +42,6 @@ TEST_F(PalpateBench, CycleMeasuresAScenesPathAndItsPenetration) {
   EXPECT_EQ(json["mesh_penetration_um"]["share_over_1um"], 0.0);
   EXPECT_EQ(json["qp"]["unsolved"], 0);
   EXPECT_LT(json["jump"]["force_N_max"], 1.0);
-}
-
-TEST_F(PalpateBench, TogetherStepsTwoToolsThatBalance) {
-  const nlohmann::json json =
-      Figures({"together", "--scene", "bunny-bunny", "--steps", "1500", "--repeats", "1"});
-  EXPECT_EQ(json["steps"], 1500);
-  EXPECT_GT(json["together_us"]["p50"], 0.0);
-  EXPECT_LT(json["late_together"], 150);
-  EXPECT_LE(json["unbalanced_max"], 1e-9);
-  EXPECT_EQ(Run({"together", "--scene", "cube"}), 1);
-  EXPECT_THAT(said_, HasSubstr("a tool that is no ball"));
 }
 
 TEST_F(PalpateBench, CycleJudgesSpheresByTheirMeshesToo) {
@@ -164,17 +148,6 @@ TEST_F(PalpateBench, HandsDriveAnySceneAndTheirPosesReadBack) {
   EXPECT_EQ(hand["friction_cycles"]["unsolved"], 0);
 }
 
-TEST_F(PalpateBench, CycleSaysWhyItJudgesNothing) {
-  const std::vector<std::string> few{"cycle", "--scene",   "cube", "--steps",
-                                     "200",   "--repeats", "1"};
-  const nlohmann::json leaves = Figures(test::Joined(few, {"--contact", "spheres"}));
-  EXPECT_NE(leaves["support"]["not_judged_for"], "");
-  EXPECT_FALSE(leaves.contains("unsupported_force_N"));
-  const nlohmann::json off = Figures(test::Joined(few, {"--judge-every", "0"}));
-  EXPECT_EQ(off["support"]["every"], 0);
-  EXPECT_FALSE(off.contains("unsupported_force_N"));
-}
-
 TEST_F(PalpateBench, HandsDriveBodiesMadeFromASeed) {
   const nlohmann::json hand = Figures({"hands", "--scene", "sharp-dice:5", "--press-mm", "8",
                                        "--steps", "300", "--settle-every", "0"});
@@ -246,7 +219,7 @@ TEST_F(PalpateBench, CycleRunsWithTheFrictionThatIsAskedFor) {
 TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace) {
   const nlohmann::json spheres =
       Figures({"accuracy", "--object", "cube", "--spheres", "64,512,4096", "--contact", "spheres",
-               "--steps", "400", "--repeats", "1", "--errors", File("cube.csv")});
+               "--steps", "400", "--repeats", "1"});
   ASSERT_EQ(spheres["results"].size(), 3u);
   double error = 2.0;
   for (const nlohmann::json& row : spheres["results"]) {
@@ -255,10 +228,6 @@ TEST_F(PalpateBench, AccuracyFindsSmallerErrorsWithMoreSpheresAndNoneOnAFlatFace
     EXPECT_GT(error, 1e-3) << "spheres are no plane";
     EXPECT_LT(row["truncation_um"]["max"], 1.0) << "chapter 2.5.1";
   }
-  const std::string errors = Read("cube.csv");
-  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1 + 3 * 400);
-  EXPECT_THAT(errors, HasSubstr("\n4096,399,"));
-  EXPECT_THAT(Drawn("cube.csv"), HasSubstr(">4,096 spheres<"));
   EXPECT_THAT(Drawn("figures.json"), HasSubstr(">cube, sphere contact<"));
 
   const nlohmann::json surface =
@@ -402,37 +371,6 @@ TEST_F(PalpateBench, ParetoWritesAReportTableAndJsonOfAllThatItMeasured) {
   EXPECT_THAT(Read("pareto/pareto.svg"), HasSubstr("</svg>"));
 }
 
-TEST_F(PalpateBench, ParetoKeepsWhatItHasWhenItIsEnded) {
-  Program program(PALPATE_BIN_DIR "/palpate-bench",
-                  {"pareto", "--scenes", "bunny-bunny", "--repeats", "200", "--peers", "none",
-                   "--out", File("pareto")});
-  const auto begun = [&] {
-    const std::ifstream file(File("pareto/pareto.json"));
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str().find("\"best_step_us\"") != std::string::npos;
-  };
-  for (int i = 0; i < 600 && !begun(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  program.Signal(SIGINT);
-  EXPECT_EQ(program.Exit(30.0), 0) << program.Output();
-  const nlohmann::json json = Json("pareto/pareto.json");
-  EXPECT_FALSE(json["complete"]);
-  EXPECT_EQ(json["accuracy"][0]["object"], "cube");
-  EXPECT_THAT(Read("pareto/report.md"), HasSubstr("**Not complete:**"));
-  EXPECT_THAT(Read("pareto/pareto.svg"), HasSubstr("</svg>"));
-}
-
-TEST_F(PalpateBench, ParetoRefusesPeersAndScenesThatNobodyKnows) {
-  EXPECT_EQ(Run({"pareto", "--out", File("p"), "--peers", "havoc"}), 2);
-  EXPECT_THAT(said_, HasSubstr("--peers havoc is not one of all, none, bullet, ode, mujoco"));
-  EXPECT_EQ(Run({"peers", "--out", File("p"), "--peers", "nowhere.so"}), 2);
-  EXPECT_THAT(said_, HasSubstr("--peers nowhere.so: "));
-  EXPECT_EQ(Run({"pareto", "--out", File("p"), "--scenes", "bunnybunny"}), 1);
-  EXPECT_THAT(said_, HasSubstr("bunny-bunny"));
-}
-
 TEST_F(PalpateBench, PeersMeasuresALibraryOfOnesOwnAndSaysWhatItCannotDo) {
   ASSERT_EQ(Run({"peers", "--quick", "--repeats", "1", "--out", File("p"), "--peers",
                  PALPATE_BIN_DIR "/palpate_peer_for_tests.so"}),
@@ -444,31 +382,6 @@ TEST_F(PalpateBench, PeersMeasuresALibraryOfOnesOwnAndSaysWhatItCannotDo) {
   EXPECT_THAT(report, HasSubstr("- **Ghost 1** (`palpate_peer_for_tests.so`): goes where"));
   EXPECT_THAT(report, HasSubstr("Not available: Ghost (it has a ball only)."));
   EXPECT_THAT(report, HasSubstr("was not asked for")) << "the others";
-}
-
-TEST_F(PalpateBench, ClosedLoopLeavesWhatItHasMeasuredWhereItIsEnded) {
-  Program program(PALPATE_BIN_DIR "/palpate-bench",
-                  {"closed-loop", "--slides", "1", "--out", File("report")});
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(100);
-  while (!fs::exists(File("report/report.md")) && program.Runs() &&
-         std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  ASSERT_TRUE(program.Runs()) << "the first figures are not the last: " << program.Output();
-  program.Signal(SIGKILL);
-  program.Exit();
-  const std::string report = Read("report/report.md");
-  EXPECT_THAT(report, HasSubstr("**Not all is measured: the run goes on, or was ended.**"));
-  EXPECT_THAT(report, HasSubstr("| 0 | **all** |"));
-}
-
-TEST_F(PalpateBench, ReadsItsCommandLineAsEveryProgramDoes) {
-  EXPECT_EQ(Run({"closed-loop", "--help"}), 0);
-  EXPECT_THAT(said_, HasSubstr("--passivity"));
-  EXPECT_EQ(Run({"closed-loop", "--device", "hammer"}), 2);
-  EXPECT_THAT(said_, HasSubstr("'palpate-bench --help' shows how"));
-  EXPECT_EQ(Run({"stability", "--domain", "-1"}), 2);
-  EXPECT_EQ(Run({}), 2);
 }
 
 TEST_F(PalpateBench, TruthKnowsTheForceOfABallOnAnyPlate) {
@@ -550,14 +463,6 @@ TEST_F(PalpateBench, TruthDrivesTheSameHandForTheSameSeedAlone) {
   EXPECT_EQ(alone["sideways N"], of_three["sideways N"]);
   EXPECT_EQ(Run(test::Joined(slides, {"3..1"})), 2);
   EXPECT_EQ(Run({"truth", "--only", "round/earth"}), 2);
-}
-
-TEST_F(PalpateBench, RefusesWhatItHasNot) {
-  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--contact", "voxels"}), 2);
-  EXPECT_EQ(Run({"cycle", "--scene", "cube", "--friction", "glue"}), 2);
-  EXPECT_EQ(Run({"qp"}), 2);
-  EXPECT_EQ(Run({"cut"}), 2);
-  EXPECT_EQ(Run({"cycle", "--steps", "0"}), 2);
 }
 
 }  // namespace

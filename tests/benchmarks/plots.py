@@ -9,8 +9,6 @@ of the file determine the picture:
                     time of a step
   peers.csv         from palpate-bench peers: the same, for other libraries only
   accuracy.csv      from tests/benchmarks/publish, or palpate-bench accuracy --json
-  errors.csv        from palpate-bench accuracy --errors: errors over time
-                    (Figs. 2.17 and 2.18 of the chapter)
   closed-loop.json  from palpate-bench closed-loop --out DIR --json: stiffness,
                     energy and limit cycle by delay
 
@@ -95,7 +93,7 @@ class Plot:
     def __init__(self, axis, bottom):
         self.axis, self.bottom, self.looks, self.labels = axis, bottom, zip(SERIES, MARKS), []
 
-    def series(self, name, points, style="-", mark=True):
+    def series(self, name, points, style="-"):
         """points: (x, y) or (x, y, label); a y below the lower edge lies on it."""
         if not points:
             return
@@ -103,9 +101,8 @@ class Plot:
         x, y = ([point[i] for point in points] for i in (0, 1))
         if self.bottom is not None:
             y = [max(value, self.bottom) for value in y]
-        self.axis.plot(x, y, linestyle=style, marker=marker if mark else None, color=LIGHT[colour], label=name,
-                       markeredgecolor=LIGHT["paper"] if mark else None, markeredgewidth=0.5,
-                       clip_on=False, zorder=3)
+        self.axis.plot(x, y, linestyle=style, marker=marker, color=LIGHT[colour], label=name,
+                       markeredgecolor=LIGHT["paper"], markeredgewidth=0.5, clip_on=False, zorder=3)
         self.labels += [(x[i], y[i], point[2]) for i, point in enumerate(points) if len(point) > 2]
 
     def noticed(self):
@@ -240,20 +237,6 @@ def accuracy(rows):
     return picture
 
 
-def errors_over_time(rows):
-    picture = Picture(2)
-    for axis in "xy":
-        plot = picture.plot(f"Force error along {axis}: δF of eq. 2.36 against the analytic object",
-                            "Time of steady sliding [ms]", "Error [of the true 1 N]")
-        for spheres, run in itertools.groupby(rows, lambda row: row["spheres"]):
-            plot.series(f"{thousands(spheres)} spheres", [(row["time_ms"], row[f"error_{axis}"]) for row in run],
-                        mark=False)
-        plot.line("people begin to notice: 6 %", "--", y=0.06)
-        plot.line(None, "--", y=-0.06)
-        plot.done()
-    return picture
-
-
 def closed_loop(run):
     picture = Picture(4, 2.4)
     at = f" at {run['stiffness_N_per_m']:g} N/m"
@@ -285,7 +268,7 @@ def picture_of(file):
     if file.suffix == ".csv":
         with file.open(encoding="utf-8") as lines:
             rows = [{key: number(cell) for key, cell in row.items()} for row in csv.DictReader(lines)]
-        for column, draw in (("part", pareto), ("time_ms", errors_over_time), ("object", accuracy)):
+        for column, draw in (("part", pareto), ("object", accuracy)):
             if rows and column in rows[0]:
                 alone = column == "part" and all(str(row["part"]).startswith("peer") for row in rows)
                 return peers(rows) if alone else draw(rows)

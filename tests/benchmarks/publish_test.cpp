@@ -1,6 +1,5 @@
 // Tests the reports of tests/benchmarks/publish to which tests/benchmarks/results/README.md links.
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -101,21 +100,6 @@ TEST_F(Publish, WritesEachReportWithItsFiguresAndWhatTheyWereMeasuredOn) {
   }
 }
 
-TEST_F(Publish, LeavesFormerReportsWholeWhenItIsEnded) {
-  for (const char* name : {"stability.md", "pareto.md"}) std::ofstream(File(name)) << "former\n";
-  const std::string preset = fs::path(PALPATE_BIN_DIR).parent_path().filename();
-  test::Program program(kScript, {"--only", "stability,pareto", "--smoke", "--no-build", "--preset",
-                                  preset, "--out", folder_.path()});
-  ASSERT_TRUE(program.Says("palpate-bench pareto")) << program.Output();
-  program.Signal(SIGINT);
-  EXPECT_EQ(program.Exit(20.0), 130) << program.Output();
-  EXPECT_THAT(Read("stability.md"), HasSubstr("# Hard cases"));
-  EXPECT_EQ(Read("pareto.md"), "former\n");
-  std::size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(folder_.path())) files += !entry.path().empty();
-  EXPECT_EQ(files, 3U) << "what was begun is taken away";
-}
-
 TEST_F(Publish, SaysOfACaseThatTunnelledThatItDidAlthoughItsFigureHolds) {
   std::ofstream(File("run.json")) << R"({"contact": "spheres", "friction": "off",
     "machine": {"cpu": "a", "cores": 2, "simd": "b", "compiler": "c"},
@@ -130,30 +114,6 @@ TEST_F(Publish, SaysOfACaseThatTunnelledThatItDidAlthoughItsFigureHolds) {
   EXPECT_THAT(jq.Output(), HasSubstr("0 of 1 case held over 9 steps"));
   EXPECT_THAT(jq.Output(), HasSubstr("`jam` (sphere contact, friction off): 42 steps tunnelled"));
   EXPECT_THAT(jq.Output(), HasSubstr("| `jam` | overlap | 10 µm | **0** |"));
-}
-
-TEST_F(Publish, DrawsALineForEachWayOfClosingTheLoopAndNothingOfOtherFiles) {
-  std::ofstream(File("loop.json")) << R"({"scene": "wall", "hand": "firm", "jitter_ms": 0,
-    "loss": 0.1, "stiffness_N_per_m": 500, "z_width": [{"local_model": true, "passivity": false,
-    "delay_ms": [0, 5], "max_stable_stiffness_N_per_m": [2000, 1000],
-    "felt_stiffness_N_per_m": [900, 800], "energy_J": [0, 0.1], "limit_cycle_mm": [0, 2]}]})";
-  const std::string svg = Drawn("loop.json");
-  EXPECT_THAT(svg, HasSubstr(">local model on, passivity controller off<"));
-  EXPECT_THAT(svg, HasSubstr(">Limit cycle at 500 N/m: wall, hand firm, jitter 0 ms, loss 0.1<"));
-
-  std::ofstream(File("else.csv")) << "a,b\n1,2\n";
-  test::Program plots(PALPATE_SOURCE_DIR "/tests/benchmarks/plots.py", {File("else.csv")});
-  EXPECT_EQ(plots.Exit(30.0), 1);
-  EXPECT_THAT(plots.Output(), HasSubstr("else.csv: is nothing that plots.py draws"));
-}
-
-TEST_F(Publish, RefusesWhatItDoesNotKnowAndSmokeAmongTheResults) {
-  EXPECT_EQ(Run({"--only", "accuracy,speed", "--out", folder_.path()}), 2);
-  EXPECT_THAT(said_, HasSubstr("--only speed is not one of pareto accuracy stability qp peers"));
-  EXPECT_EQ(Run({"--smoke"}), 2);
-  EXPECT_THAT(said_, HasSubstr("--smoke needs --out DIR"));
-  EXPECT_EQ(Run({"--only"}), 2);
-  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "common/json/json_file.h"
 #include "tests/support/complaint.h"
 #include "tests/support/folder.h"
+#include "tests/support/refusals.h"
 
 namespace palpate::test {
 namespace {
@@ -71,34 +72,8 @@ TEST_F(ExerciseTest, MayBeDoneWithEachBurOfItsScene) {
 }
 
 TEST_F(ExerciseTest, NamesFileLineAndFieldOfWhatIsWrong) {
-  EXPECT_THAT(Complaint("\"tool\"", "\"tol\""),
-              testing::AllOf(HasSubstr("light.exercise.json:4: tol"), HasSubstr("tool")));
-  EXPECT_THAT(Complaint("\"caries\",", "\"carries\","),
-              testing::AllOf(HasSubstr(":3: scene: there is no scene"), HasSubstr("caries")));
-  EXPECT_THAT(Complaint("\"bur\"", "\"probe\""), HasSubstr("no such tool; there is: bur"));
-  EXPECT_THAT(Complaint("\"time_s\": 60", "\"time_s\": 0"), HasSubstr("limits.time_s"));
-  EXPECT_THAT(Complaint("\"trials\": 3", "\"trials\": 0"), HasSubstr("trials"));
-  EXPECT_THAT(Complaint("{\"en\": \"A light hand\", \"de\": \"Leichte Hand\"}", "{}"),
-              HasSubstr("title: is empty"));
-  EXPECT_THAT(Complaint("\"instruction\": {", R"("instruction": {"pictures":
-                        [{"file": "../a.png", "text": "x"}], )"),
-              HasSubstr("pictures[0].file: is not in the exercise's folder"));
-  EXPECT_THAT(Complaint("\"goal\"", R"("expert": "mine.path.json", "goal")"),
-              HasSubstr("expert: there is no file"));
-}
-
-TEST_F(ExerciseTest, RefusesASceneWithoutWhatACriterionMeasures) {
-  EXPECT_THAT(
-      Complaint("\"tissue\": \"caries\"", "\"tissue\": \"bone\""),
-      HasSubstr("criteria.criteria[0].tissue: scene 'caries' has no such tissue; there is: caries, "
-                "dentine, enamel, pulp"));
-  EXPECT_THAT(Complaint("\"left_share\", \"tissue\": \"caries\"",
-                        "\"thickness_mm\", \"tissue\": \"enamel\""),
-              HasSubstr("has no such tissue in a region; there is: caries, dentine, pulp"));
-  EXPECT_THAT(
-      Complaint("\"caries\",\n  \"tool\": \"bur\"", "\"periodontal\",\n  \"tool\": \"probe\""),
-      HasSubstr("criteria.criteria[0].measure: measures a cut, but tool 'probe' of scene "
-                "'periodontal' cannot cut"));
+  ExpectRefusals("tests/course/exercise.refusals",
+                 [&](const auto& inputs) { return Complaint(inputs.at(0), inputs.at(1)); });
 }
 
 TEST_F(ExerciseTest, LeavesOutOfAFolderWhatHasAMistakeAndSaysSo) {

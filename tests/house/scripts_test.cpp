@@ -67,7 +67,6 @@ TEST_F(DeployScripts, TeachFromWhateverFolderTheyAreCalled) {
                                           {"deploy/container", "./run"},
                                           {"tests", "./run"},
                                           {"tests/benchmarks", "./publish"},
-                                          {"tests/benchmarks", "../benchmarks/page"},
                                           {"", "deploy/demo"}}) {
     const Output help = RunCommand(
         {"sh", "-c", "cd '" + (kProject / folder).string() + "' && " + script + " --help"});

@@ -73,27 +73,12 @@ TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   const std::string build = Run("build " + scene + " --mode balanced -o " + bundle);
   EXPECT_THAT(build, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
   EXPECT_THAT(build, HasSubstr("tool ball: 1 leaves in 1 levels, exactly the ball it is"));
-  const std::string info =
-      Run("info " + bundle + " --samples 1009 --csv " + folder + "/e.csv --json -");
+  const std::string info = Run("info " + bundle);
   EXPECT_THAT(info, HasSubstr("100 leaves in 3 levels, mode \"balanced\""));
   EXPECT_THAT(info, HasSubstr("1, bounds"));
   EXPECT_THAT(info, HasSubstr("3, leaves"));
   EXPECT_THAT(info, HasSubstr("a single ball is exact"));
   EXPECT_THAT(info, HasSubstr("bound the leaves below them (for the contact prediction)"));
-  const std::string csv = ReadWholeFile(folder + "/e.csv");
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
-  EXPECT_THAT(csv, testing::StartsWith("body,mode,level,kind,spheres,outside_um_mean"));
-  EXPECT_THAT(csv, HasSubstr("\negg,balanced,3,leaves,100,"));
-  const std::size_t json = info.find('{');
-  ASSERT_NE(json, std::string::npos);
-  EXPECT_THAT(info.substr(json), HasSubstr("\"mode\": \"ball\",\n      \"levels\": []"));
-  EXPECT_THAT(Run("info " + bundle + " --csv - --json -", 2),
-              HasSubstr("give a file for one of them"));
-
-  Run("render " + bundle + " --error --body egg -o " + folder + "/e.png");
-  EXPECT_TRUE(Exists("e.png"));
-  const std::string whose = Run("render " + bundle + " --body egg -o " + folder + "/f.png", 2);
-  EXPECT_THAT(whose, HasSubstr("--body needs --error"));
   EXPECT_THAT(Run("build " + scene + " --tolerance-um 800"),
               HasSubstr("egg: 64 leaves for 800 um: "));
   Run("build " + scene + " --tolerance-um 0", 2);
@@ -115,12 +100,10 @@ TEST_F(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
 
 TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
   const std::string egg = EggScene();
-  for (const std::string ending : {"sph", "ply", "glb"}) {
-    const std::string file = folder + "/e." + ending;
-    EXPECT_THAT(Run("export " + egg + " -o " + file),
-                HasSubstr("wrote " + file + ": the tree of egg"));
-    EXPECT_TRUE(std::filesystem::exists(file));
-  }
+  const std::string file = folder + "/e.sph";
+  EXPECT_THAT(Run("export " + egg + " -o " + file),
+              HasSubstr("wrote " + file + ": the tree of egg"));
+  Run("export " + egg + " --level 4 -o " + folder + "/f.sph", 2);
   Write("s.json", R"({
     "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
     "objects": [{"name": "egg", "tree": {"file": "e.sph", "unit": "mm"},
@@ -130,15 +113,13 @@ TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
   EXPECT_THAT(build, HasSubstr("objects[0].tree: is a tree from a file"));
   EXPECT_THAT(build, HasSubstr("object egg: 512 leaves in 3 levels"));
 
-  const std::string body = Run("export " + egg + " --body eg -o " + folder + "/f.ply", 2);
+  const std::string body = Run("export " + egg + " --body eg -o " + folder + "/f.sph", 2);
   EXPECT_THAT(body, HasSubstr("did you mean \"egg\"?"));
-  const std::string ball = Run("export " + egg + " --body ball -o " + folder + "/f.ply");
+  const std::string ball = Run("export " + egg + " --body ball -o " + folder + "/f.sph");
   EXPECT_THAT(ball, HasSubstr("the tree of ball"));
   const std::string ending = Run("export " + egg + " -o " + folder + "/f.obj", 2);
-  EXPECT_THAT(ending, HasSubstr("must be .sph"));
+  EXPECT_THAT(ending, HasSubstr("written as .sph"));
   EXPECT_FALSE(Exists("f.obj"));
-  const std::string help = Run("export --help");
-  EXPECT_THAT(help, HasSubstr("Example: palpate-scene export"));
 }
 
 TEST_F(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "scenes/error_picture.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "tests/scenes/support.h"
 
@@ -87,39 +86,6 @@ TEST(Picture, ShowsTheWholeSceneWithItsBodiesInTheirPlaces) {
   EXPECT_NE(below, png.At(5, 380));
   EXPECT_NE(above, below);
   EXPECT_EQ(png.At(240, 240), png.At(5, 240));
-}
-
-TEST(ErrorPicture, HasAScaleWhoseDecadesAreAsWideAsEachOther) {
-  constexpr double kEnd = 0.01;
-  EXPECT_EQ(PlaceOnScale(0.0, kEnd), 0.0);
-  EXPECT_NEAR(PlaceOnScale(5e-6, kEnd), 0.125, 1e-12);  // half of the smallest, proportionally
-  EXPECT_NEAR(PlaceOnScale(1e-5, kEnd), 0.25, 1e-12);
-  EXPECT_NEAR(PlaceOnScale(-1e-4, kEnd), -0.5, 1e-12);
-  EXPECT_NEAR(PlaceOnScale(1e-3, kEnd), 0.75, 1e-12);
-  EXPECT_NEAR(PlaceOnScale(-1e-2, kEnd), -1.0, 1e-12);
-  EXPECT_EQ(PlaceOnScale(1.0, kEnd), 1.0);
-}
-
-TEST(ErrorPicture, IsRedWhereSpheresStickOutBlueWhereTheyLieBelowAndPurpleWhereThereAreNone) {
-  Body body{"ball", MakeSphere(0.01, 1280), {}, {}};
-  const std::string file = test::FreshFolder() + "/p.png";
-  const auto middle = [&](double radius) {
-    body.tree = SingleSphereTree(body.mesh, {Vec3::Zero(), radius});
-    DrawError(body, std::nullopt, file);
-    const Png png = ReadPng(file);
-    EXPECT_EQ(png.width, 2 * 480);  // leaves room for the scale
-    return png.At(480, 60 + 240);
-  };
-  const auto [out_r, out_g, out_b] = middle(0.0108);
-  EXPECT_GT(out_r, out_b + 60);
-  const auto [in_r, in_g, in_b] = middle(0.0092);
-  EXPECT_GT(in_b, in_r + 60);
-  body.tree = SingleSphereTree(body.mesh, {Vec3(0.5, 0.0, 0.0), 1e-4});  // nowhere near
-  DrawError(body, 1, file);
-  const auto [r, g, b] = ReadPng(file).At(480, 60 + 240);
-  EXPECT_GT(r, g + 60);
-  EXPECT_GT(b, g + 60);
-  EXPECT_THROW(DrawError(body, 2, file), UsageError);
 }
 
 TEST(Picture, RefusesALevelThatDoesNotExistAndAFolderThatIsNotThere) {

@@ -11,14 +11,8 @@
 namespace palpate {
 namespace {
 
-using testing::HasSubstr;
-
 std::optional<StationOptions> Parse(const std::vector<const char*>& words) {
   return test::ParseWith(ParseStationOptions, words);
-}
-
-std::string Complaint(const std::vector<const char*>& words) {
-  return test::ComplaintOf(ParseStationOptions, words);
 }
 
 TEST(StationOptions, ReadsWhatItIsGiven) {
@@ -64,37 +58,14 @@ TEST(StationOptions, TakesADriversFileAndTellsTheServerItsName) {
   EXPECT_EQ(options->link.device, "me.so");
 }
 
-TEST(StationOptions, LeavesTheTableToTheTerminal) {
-  const auto options = Parse({"--device", "simulated", "--scene", "cube", "--id", "a"});
-  ASSERT_TRUE(options);
-  EXPECT_FALSE(options->table.has_value());
-  EXPECT_FALSE(options->seconds.has_value());
-  EXPECT_TRUE(options->link.network.this_host());
-  EXPECT_TRUE(options->trace.empty());
-}
-
-TEST(StationOptions, NamesTheArgumentThatIsWrong) {
-  const std::vector<const char*> good = {"--device", "simulated", "--scene", "cube", "--id", "a"};
-  const auto with = [&good](std::vector<const char*> more) {
-    more.insert(more.begin(), good.begin(), good.end());
-    return Complaint(more);
-  };
-  EXPECT_THAT(Complaint({"--scene", "cube", "--id", "a"}), HasSubstr("--device"));
-  EXPECT_THAT(Complaint({"--device", "simulated", "--id", "a"}), HasSubstr("--scene"));
-  EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube"}), HasSubstr("--id"));
-  EXPECT_THAT(Complaint({"--device", "omega", "--scene", "cube", "--id", "a"}),
-              HasSubstr("is not a device; give one of forcedimension, haply, mouse, openhaptics, "
-                        "./DRIVER.so, scripted, simulated, spacemouse"));
-  EXPECT_THAT(with({"--model", "omni"}), HasSubstr("give one of premium-3.0, premium-1.5, touch"));
-  EXPECT_THAT(with({"--rate", "5000"}), HasSubstr("--rate 5000"));
-  EXPECT_THAT(with({"--scale", "0"}), HasSubstr("--scale"));
-  EXPECT_THAT(with({"--max-force", "0"}), HasSubstr("--max-force"));
-  EXPECT_THAT(with({"--clutch-button", "32"}), HasSubstr("--clutch-button"));
-  EXPECT_THAT(Complaint({"--device", "simulated", "--scene", "cube", "--id", "a b"}),
-              HasSubstr("--id 'a b'"));
-  EXPECT_THAT(with({"--transport", "pigeon"}), HasSubstr("--transport"));
-  EXPECT_THAT(with({"--for", "-1"}), HasSubstr("--for"));
-  EXPECT_THAT(with({"--scale", "nan"}), HasSubstr("--scale"));
+TEST(StationOptions, RefusesALimitThatIsNone) {
+  for (const char* limit : {"--max-force", "--scale"}) {
+    for (const char* value : {"0", "nan", "-1"}) {
+      EXPECT_THAT(test::ComplaintOf(ParseStationOptions, {"--device", "simulated", "--scene",
+                                                          "cube", "--id", "a", limit, value}),
+                  testing::HasSubstr(limit));
+    }
+  }
 }
 
 }  // namespace

@@ -6,23 +6,16 @@ import {
   clock,
   deviceLines,
   faultWords,
-  figure,
   fitBytes,
-  gapWords,
-  markWords,
-  consoleWords,
-  sessionWords,
   stationNote,
   spokenTime,
   statisticsLines,
-  statusSentence,
 } from "@page/model/words";
 import {
   kLimiterStages,
   toLoopStatistics,
   toSessionState,
   toStationStatistics,
-  toToolState,
 } from "@page/protocol/messages";
 
 import {stationStatistics} from "../support/fake_gateway";
@@ -31,32 +24,6 @@ import {stationStatistics} from "../support/fake_gateway";
 const source = (path: string): string =>
   readFileSync(new URL(`../../../${path}`, import.meta.url), "utf8");
 
-describe("the sentence for who does not see", () => {
-  test("says that nothing moves, that the tool is free, and how hard it presses", () => {
-    expect(statusSentence(undefined)).toBe("No tool is moving.");
-    expect(statusSentence(toToolState({}))).toBe("The tool is free.");
-    const pressed = toToolState({
-      contacts: 2,
-      force_N: [0, 1.2, 0],
-      haptic_position_m: [0, -0.0012, 0],
-    });
-    expect(statusSentence(pressed)).toBe(
-      "Contact, 1.2 newtons, hand 1.2 millimetres past the surface.",
-    );
-  });
-});
-
-test("figures have no more digits than a person reads", () => {
-  expect([0, 0.123, 12.34, 123.4, -0.5, NaN].map((value) => figure(value))).toEqual([
-    "0.00",
-    "0.12",
-    "12.3",
-    "123",
-    "-0.50",
-    "–",
-  ]);
-});
-
 describe("the loop's lines", () => {
   const lines = (more: object) =>
     Object.fromEntries(
@@ -64,14 +31,6 @@ describe("the loop's lines", () => {
         (line) => [line.label, line],
       ),
     );
-
-  test("praise a loop that holds", () => {
-    const good = lines({});
-    expect(good.Rate).toMatchObject({value: "1000 / s", tone: "good"});
-    expect(good.Late).toMatchObject({value: "0 poses", tone: "good"});
-    expect(good.Faults?.value).toBe("none");
-    expect(good.Refused).toBeUndefined();
-  });
 
   test("praise no rate at which a load no longer holds", () => {
     const tooSlow = {remark: "should be a thousand", tone: "bad"};
@@ -123,16 +82,6 @@ describe("the arm's lines", () => {
       ]),
     );
 
-  test("say that all force arrives", () => {
-    const good = lines({});
-    expect(good.Device).toMatchObject({value: "in order", remark: "PHANTOM Premium 3.0"});
-    expect(good["Held back"]).toMatchObject({value: "nothing", tone: "good"});
-    expect(good.Strongest).toMatchObject({value: "2.00 N", remark: "as computed"});
-    expect(good.Motors).toMatchObject({value: "21 %", tone: "plain"});
-    expect(good.Energy).toMatchObject({value: "12.5 mJ", tone: "plain"});
-    expect(good.Silence).toMatchObject({value: "1.2 ms", tone: "plain"});
-  });
-
   test("name the stages that act, the busiest first", () => {
     const late = lines({faded: 400n, slewed: 5n, braked: 20n, lost: 3n, applied_force_N_max: 1.5});
     expect(late["Held back"]).toMatchObject({
@@ -179,21 +128,6 @@ describe("the arm's lines", () => {
   });
 });
 
-test("a session's words say who has what, or why not", () => {
-  const session = (phase: number, reason = "") =>
-    sessionWords(toSessionState({station: "hand", phase, scene: "cube", tool: "ball", reason}));
-  expect(session(2)).toBe("drives the ball of cube");
-  expect(session(3, "it is driven by 'other'")).toContain("it is driven by 'other'");
-  expect(session(4)).toContain("has left");
-  expect(session(5)).toBe("waits to be admitted (the ball of cube)");
-  const muted = toSessionState({phase: 2, muted: true, scene: "cube", tool: "ball"});
-  expect(consoleWords(muted)).toBe("drives the ball of cube, without forces");
-  const inside = toSessionState({phase: 1, scene: "cube", tool: "ball", start_depth_m: 0.0032});
-  expect(sessionWords(inside)).toBe(
-    "starts with the ball of cube 3.2 mm inside an object: no force until it is out",
-  );
-});
-
 test("who feels a session's forces, or sees them, is told what keeps them from the hand", () => {
   const session = (more: object) =>
     toSessionState({station: "anna", phase: 2, scene: "cube", tool: "ball", ...more});
@@ -229,17 +163,4 @@ test("a text is cut by its bytes, and between letters", () => {
   expect(fitBytes("éé", 3)).toBe("é");
   expect(fitBytes("a🦷b", 4)).toBe("a");
   expect(fitBytes("a🦷b", 5)).toBe("a🦷");
-});
-
-test("a gap says whose it is, and why where that is known", () => {
-  const gap = {fromS: 1, toS: 2, station: "hand", reason: "silent"};
-  expect(gapWords(gap)).toBe("nothing from hand: silent");
-  expect(gapWords({...gap, reason: ""})).toBe("nothing from hand");
-});
-
-test("a mark says what took place, and a bookmark its name", () => {
-  const mark = {atS: 1, number: 0, kind: "contact", text: "hand touches"} as const;
-  expect(markWords(mark)).toBe("hand touches");
-  expect(markWords({...mark, text: ""})).toBe("contact");
-  expect(markWords({...mark, kind: "bookmark", text: "the slip"})).toBe("the slip");
 });

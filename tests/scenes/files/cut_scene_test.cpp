@@ -12,6 +12,7 @@
 #include "server/physics/scene_model.h"
 #include "tests/support/complaint.h"
 #include "tests/support/folder.h"
+#include "tests/support/refusals.h"
 #include "tests/support/volume_left.h"
 
 namespace palpate {
@@ -166,79 +167,12 @@ TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows)
 }
 
 TEST(CutScene, NamesTheFieldAndTheRemedyOfWhatCannotBeCut) {
-  const struct {
-    std::string tool, block;
-    const char* complaint;
-  } bad[] = {
-      {kBallBur, R"("leaves": 8)", "tools[0].mesh: is a bur, but nothing can be cut"},
-      {kBallBur, R"("grid_um": 100)", "add cutting_pressure_MPa"},
-      {kBallBur, R"("grid_um": 10, "material": {"cutting_pressure_MPa": 1})",
-       "objects[0].grid_um: 10 is not allowed; give a number from 25 to 200"},
-      {kBallBur,
-       R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1, "stiffness_N_per_m": 100})",
-       "objects[0].material: a body that burs cut must be rigid"},
-      {kBallBur,
-       R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1}, "regions": [{"group": "g",
-          "material": {"cutting_pressure_MPa": 2}}])",
-       "objects[0].regions[0]: a group is a part of the surface"},
-      {kBallBur, R"("grid_um": 50, "material": {"cutting_viscosity_MPa_s_per_mm": 1})",
-       "cutting_viscosity_MPa_s_per_mm: belongs to a pressure; add cutting_pressure_MPa"},
-      {kBallBur, R"("grid_um": 50, "material": {"cutting_pressure_MPa": 1, "colour": "red"})",
-       "objects[0].material.colour: \"red\" is not a colour; give \"#rrggbb\""},
-      {kBallBur, R"("material": {"colour": "#ffffff"})", "colour: is of what burs cut"},
-      {kBallBur, R"("regions": [{"mesh": {"shape": "sphere", "radius_m": 0.001}, "material": {}}])",
-       "objects[0].regions[0].mesh: paints the inside of what burs cut; give the object"},
-      {R"({"shape": "bur", "kind": "corkscrew"})", kEnamelOnDentine,
-       "tools[0].mesh.kind: \"corkscrew\""},
-      {R"({"shape": "bur", "kind": "trephine", "diameter_mm": 2, "wall_mm": 1})", kEnamelOnDentine,
-       "tools[0].mesh: bur: its wall leaves no bore; give a thinner one"},
-      {R"({"shape": "bur", "kind": "trephine", "diameter_mm": 3, "wall_mm": 0.1})",
-       R"("grid_um": 100, "material": {"cutting_pressure_MPa": 1})",
-       "tools[0].mesh: is a bur of 100 um, finer than two cells"},
-      {kBallBur,
-       R"("grid_um": 100, "material": {"cutting_pressure_MPa": 1, "cutting_friction": 2})",
-       "cutting_friction: 2 is not allowed; give a number from 0 to 1"},
-      {kBallBur, R"("grid_um": 100, "material": {"cutting_friction": 0.2})",
-       "cutting_friction: belongs to a pressure; add cutting_pressure_MPa"},
-      {R"({"shape": "bur", "kind": "ball", "diameter_mm": 0.38})",
-       R"("grid_um": 200, "material": {"cutting_pressure_MPa": 1})",
-       "tools[0].mesh: is a bur of 380 um, finer than two cells of \"block\"; give that a "
-       "\"grid_um\" of 190 um at most"},
-      {R"({"shape": "bur", "curve_mm": [[0, 0], [1, 1], [0.1, 1.2], [0, 5]]})", kEnamelOnDentine,
-       "tools[0].mesh: bur: its curve is not convex at point 2"},
-      {R"({"shape": "bur", "kind": "ball", "curve_mm": [[0, 0]]})", kEnamelOnDentine,
-       "kind: there is no such field"},
-      {R"({"shape": "bur", "kind": "cylinder", "length_mm": 2, "dead_tip_mm": 2})",
-       kEnamelOnDentine, "has no cutting part; give a dead_tip_mm below"},
-  };
-  for (const auto& of : bad) {
-    EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneText(of.tool, of.block), "f.json"); }),
-                testing::AllOf(testing::StartsWith("f.json:"), HasSubstr(of.complaint)));
-  }
-  std::string spheres = SceneText(kBallBur, kEnamelOnDentine);
-  spheres.insert(spheres.rfind('}'), R"(, "contact": "spheres")");
-  EXPECT_THAT(ComplaintOf([&] { ParseScene(spheres, "f.json"); }),
-              HasSubstr("contact: is spheres, and what burs cut, as \"block\", is felt by its"));
-}
-
-TEST(CutScene, NamesTheRemedyOfABurThatIsNone) {
-  const std::pair<const char*, const char*> bad[] = {
-      {R"("bur": "999/014")", "tools[0].bur: '999/014' is not a known bur; give SHAPE/SIZE"},
-      {R"("bur": "001/014", "mesh": {"shape": "bur", "kind": "ball"})",
-       "tools[0].bur: is also a mesh; keep either \"bur\" or \"mesh\""},
-      {R"("bur": "001/014", "speed_rpm": 500001)",
-       "tools[0].speed_rpm: 500001 is not allowed; give a number from 0 to 500000"},
-      {R"("bur": "001/014", "speed_rpm": 200000, "vibration": {"teeth": 6, "share": 0.1})",
-       "tools[0].vibration.teeth: pass 20000 times per second, but a vibration must have 1 to 400 "
-       "Hz"},
-      {R"("bur": "001/014", "vibration": {"teeth": 6, "share": 0.1})", "pass 0 times per second"},
-      {R"("mesh": {"shape": "sphere", "radius_m": 0.001}, "speed_rpm": 1000)",
-       "tools[0].speed_rpm: is for burs; drop it, or give the tool a \"bur\""},
-  };
-  for (const auto& [tool, complaint] : bad) {
-    EXPECT_THAT(ComplaintOf([&] { ParseScene(SceneOf(tool, kEnamelOnDentine), "f.json"); }),
-                testing::AllOf(testing::StartsWith("f.json:1"), HasSubstr(complaint)));
-  }
+  test::ExpectRefusals("tests/scenes/files/cut_scene.refusals", [](const auto& inputs) {
+    const bool plain = inputs.at(1) == "BLOCK";
+    std::string text = SceneOf(inputs.at(0), plain ? kEnamelOnDentine : inputs.at(1));
+    if (inputs.size() > 2) text.insert(1, inputs[2]);
+    return ComplaintOf([&] { Load(text); });
+  });
 }
 
 TEST(CutScene, ANamedBurHasItsHeadItsMeshAndItsSpinAlsoAfterABundle) {
@@ -287,33 +221,6 @@ TEST(CutScene, AnEdgeOfAnyMeshIsTheSameAfterABundle) {
   for (const BurSample& sample : model.bur_samples()) {
     EXPECT_EQ(sample.cuts, sample.normal.x() > -limits::cutting::kRelief);
     EXPECT_TRUE(sample.slide.isZero(0.0));
-  }
-}
-
-TEST(CutScene, NamesTheRemedyOfAnEdgeThatIsNone) {
-  const std::string ball = "[[0, 0]]", here = "[0, 0, 0]";
-  const struct {
-    std::string tool, block;
-    const char* complaint;
-  } bad[] = {
-      {EdgeOf(ball, "1", here), R"("leaves": 8)",
-       "tools[0].edge: is an edge, but nothing can be cut; give an object \"grid_um\", or drop it"},
-      {EdgeOf(ball, "0.09", here), kEnamelOnDentine,
-       "tools[0].edge: is an edge of 180 um, finer than two cells of \"block\""},
-      {EdgeOf("[[0, 0, 0]]", "1", here), kEnamelOnDentine,
-       "tools[0].edge.curve_mm[0]: is not a point; give [radius, height"},
-      {EdgeOf("[[0, 0], [1, 1], [0.1, 1.2], [0, 5]]", "1", here), kEnamelOnDentine,
-       "tools[0].edge: bur: its curve is not convex at point 2"},
-      {EdgeOf(ball, "1", here, "[0, 0, 0]"), kEnamelOnDentine,
-       "tools[0].edge.sense: has length 0; give a direction"},
-      {EdgeOf(ball, "0.3", here), kEnamelOnDentine,
-       "tools[0].edge: holds no triangle of the tool's mesh; give an at_mm and a curve_mm"},
-      {R"("bur": "001/014", "edge": {"curve_mm": [[0, 0]], "rounding_mm": 1, "at_mm": [0, 0, 0],
-          "along": [0, 1, 0], "sense": [1, 0, 0]})",
-       kEnamelOnDentine, "tools[0].edge: is for tools without a bur; drop it, or the bur"},
-  };
-  for (const auto& of : bad) {
-    EXPECT_THAT(ComplaintOf([&] { Load(SceneOf(of.tool, of.block)); }), HasSubstr(of.complaint));
   }
 }
 

@@ -8,13 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenes/support.h"
+#include "tests/support/refusals.h"
 
 namespace palpate {
 namespace {
 
 using test::ComplaintOf;
 using testing::HasSubstr;
-using testing::StartsWith;
 
 constexpr char kGood[] = R"({
   "tools": [
@@ -308,148 +308,11 @@ TEST(SceneFile, ReadsContactAndFriction) {
   EXPECT_EQ(features("\"friction\": \"coulomb\",").friction, FrictionModel::kCoulomb);
 }
 
-struct Bad {
-  const char* name;
-  const char* old_text;
-  std::string new_text;
-  const char* complaint;
-};
-
-Bad BadMaterial(const char* name, const std::string& fields, const char* complaint) {
-  const std::string text = "\"leaves\": 100, \"material\": {" + fields + "}";
-  return {name, "\"leaves\": 100", text, complaint};
+TEST(SceneFile, RefusesWithLineFieldAndRemedy) {
+  test::ExpectRefusals("tests/scenes/files/scene_file.refusals", [](const auto& inputs) {
+    return ComplaintOf([&] { ParseScene(With(inputs.at(0), inputs.at(1)), "f.json"); });
+  });
 }
-Bad BadRegion(const char* name, const std::string& fields, const char* complaint) {
-  const std::string text = "\"leaves\": 100, \"regions\": [{" + fields + "}]";
-  return {name, "\"leaves\": 100", text, complaint};
-}
-
-Bad BadCurved(const char* name, const std::string& value, const char* complaint) {
-  return {name, "\"unit\": \"mm\"", "\"unit\": \"mm\", \"curved\": " + value, complaint};
-}
-
-class BadScene : public testing::TestWithParam<Bad> {};
-
-TEST_P(BadScene, IsRefusedWithLineFieldAndRemedy) {
-  const Bad& bad = GetParam();
-  const std::string text = With(bad.old_text, bad.new_text);
-  const std::string complaint = ComplaintOf([&] { ParseScene(text, "f.json"); });
-  EXPECT_THAT(complaint, StartsWith("f.json:"));
-  EXPECT_THAT(complaint, HasSubstr(bad.complaint));
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    SceneFile, BadScene,
-    testing::Values(
-        Bad{"NoLeaves", "\"leaves\": 1,", "", "f.json:3: tools[0]: leaves is missing; add it"},
-        Bad{"ZeroLeaves", "\"leaves\": 1,", "\"leaves\": 0,",
-            "f.json:3: tools[0].leaves: 0 is not allowed; give a number from 1 to"},
-        Bad{"HalfALeaf", "\"leaves\": 1,", "\"leaves\": 1.5,",
-            "tools[0].leaves: 1.5 is not a whole number"},
-        Bad{"TooManyLeaves", "\"leaves\": 100", "\"leaves\": 1e9",
-            "objects[0].leaves: 1e+09 is not"},
-        Bad{"LeavesWithoutATolerance", "\"leaves\": 100", "\"leaves\": {\"most_leaves\": 9}",
-            "f.json:7: objects[0].leaves: has no tolerance; add \"tolerance_um\""},
-        Bad{"LeavesOfTwoTolerances", "\"leaves\": 100",
-            "\"leaves\": {\"tolerance_um\": 9, \"tolerance_deg\": 9}",
-            "objects[0].leaves.tolerance_deg: the tolerance is given twice"},
-        Bad{"LeavesOfNoTolerance", "\"leaves\": 100", "\"leaves\": {\"tolerance_um\": 0}",
-            "objects[0].leaves.tolerance_um: 0 is not allowed; give"},
-        Bad{"LeavesThatLeanTooFar", "\"leaves\": 100", "\"leaves\": {\"tolerance_deg\": 91}",
-            "objects[0].leaves.tolerance_deg: 91 is not allowed; give"},
-        Bad{"LeavesOfAnUnknownTolerance", "\"leaves\": 100", "\"leaves\": {\"tolerance_mm\": 1}",
-            "objects[0].leaves.tolerance_mm"},
-        Bad{"MoreLeavesThanThereMayBe", "\"leaves\": 100",
-            "\"leaves\": {\"tolerance_um\": 9, \"most_leaves\": 1e9}",
-            "objects[0].leaves.most_leaves: 1e+09 is not"},
-        Bad{"LeavesInWords", "\"leaves\": 100", "\"leaves\": \"many\"",
-            "f.json:7: objects[0].leaves: \"many\" is not a number of leaves; give a number, "
-            "\"auto\" or"},
-        Bad{"UnknownField", "\"leaves\": 100", "\"leafs\": 100",
-            "f.json:7: objects[0].leafs: there is no such field; did you mean \"leaves\"?"},
-        Bad{"UnknownTopField", "\"objects\"", "\"object\"", "did you mean \"objects\"?"},
-        Bad{"PoseForATool", "\"start\"", "\"pose\"", "tools[0].pose: there is no such field"},
-        Bad{"NoTools", "\"tools\": [\n    {\"name\"",
-            "\"tools\": [], \"objects\": [\n    {\"name\"", "is given twice"},
-        Bad{"NoShape", "\"sphere\"", "\"cone\"",
-            "tools[0].mesh.shape: \"cone\" is not known; give one of box, ellipsoid, sphere"},
-        Bad{"NegativeRadius", "0.005", "-0.005", "tools[0].mesh.radius_m: -0.005"},
-        Bad{"ForgottenUnit", "0.005", "5000", "tools[0].mesh.radius_m: is more than 1000 m"},
-        Bad{"NoScale", ", \"unit\": \"mm\"", "",
-            "objects[0].mesh: has no scale; add \"unit\" (m, cm, mm or inch) or"},
-        Bad{"TwoScales", "\"unit\": \"mm\"", "\"unit\": \"mm\", \"longest_side_m\": 1",
-            "objects[0].mesh.longest_side_m: the scale is given twice"},
-        Bad{"UnknownUnit", "\"mm\"", "\"feet\"",
-            "\"feet\" is not known; give one of m, cm, mm, inch"},
-        Bad{"NoMesh", "\"file\": \"part.stl\", ", "",
-            "objects[0].mesh: names no mesh; add \"model\", \"file\" or \"shape\""},
-        Bad{"ModelAndFile", "\"unit\"", "\"model\": \"bunny\", \"unit\"",
-            "names a model and a file; keep one"},
-        Bad{"ShortPosition", "[0, 80, 0]", "[0, 80]",
-            "f.json:4: tools[0].start.position_mm: has 2 entries; give three"},
-        Bad{"SameNames", "\"part\"", "\"probe\"", "objects[0].name: \"probe\" is taken"},
-        Bad{"NameWithSpace", "\"part\"", "\"my part\"", "\"my part\" is not a name"},
-        Bad{"EmptyName", "\"part\"", "\"\"", "objects[0].name: is empty"},
-        Bad{"ListForObject", "{\"shape\": \"sphere\", \"radius_m\": 0.005}", "[1]",
-            "tools[0].mesh: is a list; give an object"},
-        Bad{"NoStiffness", "\"objects\"", "\"coupling\": {\"stiffness_N_per_m\": 0}, \"objects\"",
-            "coupling.stiffness_N_per_m"},
-        Bad{"UnknownContact", "\"objects\"", "\"contact\": \"mesh\", \"objects\"",
-            "contact: \"mesh\" is not known; give one of surface, spheres"},
-        Bad{"FrictionOfNothing", "\"objects\"", "\"friction\": \"coulomb\", \"objects\"",
-            "friction: no material of an object has friction; add static_friction"},
-        Bad{"MaterialOfATool", "\"leaves\": 1,", "\"leaves\": 1, \"material\": {},",
-            "tools[0].material: there is no such field"},
-        BadMaterial("TwoStiffnesses",
-                    "\"stiffness_N_per_m\": 1, \"youngs_modulus_Pa\": 1, \"thickness_mm\": 1",
-                    "youngs_modulus_Pa: the stiffness is given twice; keep"),
-        BadMaterial("ModulusWithoutThickness", "\"youngs_modulus_Pa\": 1",
-                    "youngs_modulus_Pa: needs the thickness of the layer; add"),
-        BadMaterial("ThicknessAlone", "\"thickness_mm\": 1", "thickness_mm: needs a Young's"),
-        BadMaterial("NoThickness", "\"youngs_modulus_Pa\": 1, \"thickness_mm\": 0",
-                    "thickness_mm: 0.000000 is not allowed"),
-        BadMaterial("NegativeStiffness", "\"stiffness_N_per_m\": -1",
-                    "stiffness_N_per_m: -1.000000 is not allowed; give a number above 0"),
-        BadMaterial("DynamicAboveStatic", "\"static_friction\": 0.3, \"dynamic_friction\": 0.8",
-                    "objects[0].material.dynamic_friction: is above static_friction"),
-        BadMaterial("NegativeFriction", "\"static_friction\": -0.1",
-                    "static_friction: -0.1 is not"),
-        BadMaterial("ForgottenPoint", "\"static_friction\": 80", "give a number from 0 to 10"),
-        BadMaterial("Hardness", "\"hardness_J\": 1e-3",
-                    "hardness_J: is no longer supported; instead give the object \"grid_um\""),
-        BadMaterial("UnknownProperty", "\"friction\": 1", "friction: there is no such field"),
-        BadRegion("RegionOfNothing", "\"material\": {}", "regions[0]: must say what it paints"),
-        BadRegion("RegionTwice",
-                  "\"group\": \"a\", \"sphere\": {\"centre_mm\": [0, 0, 0], \"radius_mm\": 1}, "
-                  "\"material\": {}",
-                  "regions[0]: must say what it paints"),
-        BadRegion("RegionWithoutMaterial", "\"group\": \"a\"", "regions[0]: material is missing"),
-        BadRegion("EmptyBox",
-                  "\"box\": {\"min_mm\": [0, 0, 2], \"max_mm\": [1, 1, 1]}, \"material\": {}",
-                  "regions[0].box: is empty; no entry of min_mm"),
-        BadCurved("CurvedBare", "true", "mesh.curved: is true or false; give an object"),
-        BadCurved("CurvedNumber", "3", "mesh.curved: is a number; give an object"),
-        BadCurved("CurvedWithoutTolerance", "{}",
-                  "f.json:7: objects[0].mesh.curved: tolerance_um is missing; add it"),
-        BadCurved("CurvedExactly", "{\"tolerance_um\": 0}",
-                  "curved.tolerance_um: 0 is not allowed; give a number from 0.1 to"),
-        BadCurved("CurvedInMetres", "{\"tolerance_um\": 3e-6}", "give a number from 0.1 to"),
-        BadCurved("CurvedMisspelt", "{\"tolerance_mm\": 3}", "did you mean \"tolerance_um\"?"),
-        BadCurved("CurvedToNothing", "{\"tolerance_um\": 3, \"max_triangles\": 0}",
-                  "curved.max_triangles: 0 is not allowed; give a number from 1 to"),
-        Bad{"CurvedSpheres", "\"unit\": \"mm\"}, \"leaves\": 100}\n  ]",
-            "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, \"leaves\": 100}\n  ], "
-            "\"contact\": \"spheres\"",
-            "objects[0].mesh.curved: has no effect with sphere contact; drop it"},
-        Bad{"CurvedSoftObject", "\"unit\": \"mm\"}",
-            "\"unit\": \"mm\", \"curved\": {\"tolerance_um\": 3}}, "
-            "\"material\": {\"stiffness_N_per_m\": 500}",
-            "objects[0].mesh.curved: has no effect on a soft object"},
-        Bad{"CurvedBall", "\"radius_m\": 0.005",
-            "\"radius_m\": 0.005, \"curved\": {\"tolerance_um\": 3}",
-            "f.json:3: tools[0].mesh.curved: has no effect on a tool of one leaf"},
-        Bad{"NotJson", "\"leaves\": 100", "\"leaves\" 100", "f.json:7: this is not JSON"}),
-    [](const auto& test) { return std::string(test.param.name); });
 
 TEST(SceneFile, RefusesEmptyLists) {
   EXPECT_THAT(ComplaintOf([] { ParseScene("{\"tools\": [], \"objects\": []}", "f.json"); }),
