@@ -13,7 +13,9 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "common/dds/server_lock.h"
 #include "common/error.h"
@@ -165,6 +167,15 @@ class Record {
   std::unique_ptr<MetricsPort> port_;  // its thread reads metrics_
 };
 
+/// Prints a line if somebody reads: a full pipe or a terminal that was stopped takes none, and the
+/// sessions must not wait for it.
+void SayIfRead(const std::string& line) {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  if (poll(&out, 1, 0) == 0) return;
+  std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
 int Serve(const Options& options) {
   StopSignal stop;
   // By default malloc takes them from its heap once the first session has ended, and
@@ -218,19 +229,13 @@ int Serve(const Options& options) {
   news.reset();
   malloc_trim(0);  // the models' sources took as much memory again
 
-  Server server(
-      std::move(loop_domain), std::move(service_domain), std::move(tools),
-      [](const std::string& line) {
-        std::puts(line.c_str());
-        std::fflush(stdout);
-      },
-      options.admit_by_hand);
+  Server server(std::move(loop_domain), std::move(service_domain), std::move(tools), SayIfRead,
+                options.admit_by_hand);
   record.Follow(server);
   for (auto& [name, bundle] : bundles) server.PublishScene(name, std::move(bundle), seats[name]);
   server.Offer(offer);
-  std::printf("ready: scenes %s; transport %s; real-time %s; domain %d\n", names.c_str(),
-              transport.reason.c_str(), realtime.summary.c_str(), options.domain);
-  std::fflush(stdout);
+  SayIfRead(fmt::format("ready: scenes {}; transport {}; real-time {}; domain {}", names,
+                        transport.reason, realtime.summary, options.domain));
   record.Start(names);
   do {
     server.Poll(SteadyNanoseconds());

@@ -6,8 +6,11 @@
 #include <limits>
 #include <thread>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/integration/quick_station.h"
 #include "tests/integration/rig.h"
@@ -33,6 +36,24 @@ TEST(OneName, IsRefusedToASecondProgramAndTheFirstFeelsNothingOfIt) {
   std::ifstream in(file);
   EXPECT_EQ(nlohmann::json::parse(in)["reconnects"], 0);
   std::filesystem::remove(file);
+}
+
+TEST(UnreadServer, ServesThoughItsOutputTakesNothing) {
+  const std::string full = testing::TempDir() + "palpate_full_" + std::to_string(getpid());
+  ASSERT_EQ(mkfifo(full.c_str(), 0600), 0);
+  const int fd = open(full.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  while (write(fd, "unread\n", 7) > 0) {
+  }
+  Program server("/bin/sh",
+                 {"-c", R"(exec "$0" cube --transport udp --realtime off --domain "$1" >"$2")",
+                  PALPATE_BIN_DIR "/palpate-server", std::to_string(kDomain), full});
+  for (const char* const id : {"first", "next"}) {
+    StationProgram station(id, "udp", {"--for", "1"});
+    EXPECT_EQ(station.Exit(), 0) << station.Output();
+    EXPECT_THAT(station.Output(), HasSubstr("session: tool"));
+  }
+  close(fd);
+  std::filesystem::remove(full);
 }
 
 /// A server of two scenes; for two seconds a well-behaved station feels one of them.
