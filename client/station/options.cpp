@@ -57,18 +57,22 @@ zero within 25 ms after the server stops answering, and ramp up again when it
 answers.
 Exit status: 0 done, 1 failed or refused, 2 wrong usage.)";
 
-}  // namespace
-
-std::optional<StationOptions> ParseStationOptions(int argc, const char* const* argv) {
-  StationOptions options;
-  bool table = false;
-  std::string local_model = "on";
-
-  const CommandLine app(kAbout, "palpate-station", "Devices:\n" + DeviceHelp() + kExamples);
+void AddDeviceOptions(const CommandLine& app, StationOptions& options) {
   app.Add("--device", options.device.name, "device to drive: " + DeviceNames()).Required();
   app.Add("--model", options.device.model, "arm to simulate; default: the first one listed below");
   app.Add("--rate", options.device.rate_Hz, "rate at which the device is read and commanded, in Hz")
       .ShowDefault();
+  app.Add("--device-name", options.device.arm,
+          "arm to use if there are several: its name in the vendor's set-up program, its serial "
+          "number, or its id; default: the first");
+  app.AddFlag("--calibrate", options.device.calibrate,
+              "calibrate the arm even if it is already calibrated; if it has a reset position, put "
+              "it there first");
+  app.AddFlag("--loop", options.device.loop,
+              "repeat the script; otherwise the hand stays at its end");
+}
+
+void AddSceneOptions(const CommandLine& app, StationOptions& options) {
   app.Add("--scene", options.link.scene,
           "scene to feel: its name on the server, or the file given to the server")
       .Required();
@@ -87,11 +91,6 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
   app.Add("--clutch-button", options.clutch_button,
           "button, counted from 0, that lets the hand move without the tool")
       .Range(0, 31);
-  app.AddFlag("--loop", options.device.loop,
-              "repeat the script; otherwise the hand stays at its end");
-  app.AddFlag("--enable-forces", options.enable_forces,
-              "let a real device render forces all the time, not only while its first button is "
-              "pressed; simulated devices always do");
   app.AddFlag("--await-recorder", options.link.awaits_recorder,
               "send no pose before a palpate-record reads the poses and the server's answers, so "
               "that the recording is complete and can be verified");
@@ -99,27 +98,40 @@ std::optional<StationOptions> ParseStationOptions(int argc, const char* const* a
       "--keep-scene", options.link.keeps_scene,
       "nobody can restore a cut scene, or set its bookmark, while this station has its tool: "
       "for trials");
+}
+
+void AddForceOptions(const CommandLine& app, StationOptions& options) {
+  app.AddFlag("--enable-forces", options.enable_forces,
+              "let a real device render forces all the time, not only while its first button is "
+              "pressed; simulated devices always do");
   app.Add("--max-force", options.max_force_N,
           "limit of the force, in N, below the device's own; the limit of the torque is reduced "
           "in proportion; default: the device's limits")
       .Positive();
-  app.Add("--device-name", options.device.arm,
-          "arm to use if there are several: its name in the vendor's set-up program, its serial "
-          "number, or its id; default: the first");
-  app.AddFlag("--calibrate", options.device.calibrate,
-              "calibrate the arm even if it is already calibrated; if it has a reset position, put "
-              "it there first");
-  app.Add("--local-model", local_model,
-          "on: evaluate each reply's contacts at the newest pose, and send predicted poses if the "
-          "round trip takes more than 2 ms; off: apply each wrench unchanged")
-      .OneOf({"on", "off"})
-      .ShowDefault();
   const Option accept_guide = app.AddFlag("--accept-guide", options.accept_guide,
                                           "let 'palpate-replay --guide ID' guide the hand");
   app.Add("--guide-force", options.guide_force_N,
           "limit of the guiding force, in N; that of the torque, in N m, is a hundredth of it")
       .Range(0.0, GuideLimits::kMostForce_N)
       .Needs(accept_guide)
+      .ShowDefault();
+}
+
+}  // namespace
+
+std::optional<StationOptions> ParseStationOptions(int argc, const char* const* argv) {
+  StationOptions options;
+  bool table = false;
+  std::string local_model = "on";
+
+  const CommandLine app(kAbout, "palpate-station", "Devices:\n" + DeviceHelp() + kExamples);
+  AddDeviceOptions(app, options);
+  AddSceneOptions(app, options);
+  AddForceOptions(app, options);
+  app.Add("--local-model", local_model,
+          "on: evaluate each reply's contacts at the newest pose, and send predicted poses if the "
+          "round trip takes more than 2 ms; off: apply each wrench unchanged")
+      .OneOf({"on", "off"})
       .ShowDefault();
   app.Add("--for", options.seconds, "end after this many seconds; default: at Ctrl-C").Positive();
   AddTransportOption(app, options.link.transport);

@@ -304,6 +304,40 @@ void Writer::WriteMetadata(const Metadata& metadata) {
   metadata_.push_back({metadata.name, {offset, out_.size()}});
 }
 
+void Writer::PutStatistics(Bytes& out) const {
+  const Record record(out, kStatistics);
+  PutInteger(out, messages_);
+  PutInteger(out, static_cast<std::uint16_t>(schemas_written_));
+  PutInteger(out, static_cast<std::uint32_t>(channels_written_));
+  PutInteger(out, std::uint32_t{0});
+  PutInteger(out, static_cast<std::uint32_t>(metadata_.size()));
+  PutInteger(out, static_cast<std::uint32_t>(chunks_.size()));
+  PutInteger(out, start_ns_);
+  PutInteger(out, end_ns_);
+  PutInteger(out, static_cast<std::uint32_t>(10 * channel_messages_.size()));
+  for (const auto& [channel, count] : channel_messages_) {
+    PutInteger(out, channel);
+    PutInteger(out, count);
+  }
+}
+
+void Writer::PutChunkIndex(Bytes& out, const ChunkPlace& chunk) {
+  const Record record(out, kChunkIndex);
+  PutInteger(out, chunk.start_ns);
+  PutInteger(out, chunk.end_ns);
+  PutInteger(out, chunk.offset);
+  PutInteger(out, chunk.length);
+  PutInteger(out, static_cast<std::uint32_t>(10 * chunk.index_offset.size()));
+  for (const auto& [channel, offset] : chunk.index_offset) {
+    PutInteger(out, channel);
+    PutInteger(out, offset);
+  }
+  PutInteger(out, chunk.index_length);
+  PutString(out, "zstd");
+  PutInteger(out, chunk.compressed);
+  PutInteger(out, chunk.uncompressed);
+}
+
 void Writer::BuildSummary(Bytes& out) const {
   {
     const Record record(out, kDataEnd);
@@ -322,39 +356,9 @@ void Writer::BuildSummary(Bytes& out) const {
   group(kChannel, [&] {
     for (std::size_t i = 0; i < channels_written_; ++i) PutChannel(out, channels_[i]);
   });
-  group(kStatistics, [&] {
-    const Record record(out, kStatistics);
-    PutInteger(out, messages_);
-    PutInteger(out, static_cast<std::uint16_t>(schemas_written_));
-    PutInteger(out, static_cast<std::uint32_t>(channels_written_));
-    PutInteger(out, std::uint32_t{0});
-    PutInteger(out, static_cast<std::uint32_t>(metadata_.size()));
-    PutInteger(out, static_cast<std::uint32_t>(chunks_.size()));
-    PutInteger(out, start_ns_);
-    PutInteger(out, end_ns_);
-    PutInteger(out, static_cast<std::uint32_t>(10 * channel_messages_.size()));
-    for (const auto& [channel, count] : channel_messages_) {
-      PutInteger(out, channel);
-      PutInteger(out, count);
-    }
-  });
+  group(kStatistics, [&] { PutStatistics(out); });
   group(kChunkIndex, [&] {
-    for (const ChunkPlace& chunk : chunks_) {
-      const Record record(out, kChunkIndex);
-      PutInteger(out, chunk.start_ns);
-      PutInteger(out, chunk.end_ns);
-      PutInteger(out, chunk.offset);
-      PutInteger(out, chunk.length);
-      PutInteger(out, static_cast<std::uint32_t>(10 * chunk.index_offset.size()));
-      for (const auto& [channel, offset] : chunk.index_offset) {
-        PutInteger(out, channel);
-        PutInteger(out, offset);
-      }
-      PutInteger(out, chunk.index_length);
-      PutString(out, "zstd");
-      PutInteger(out, chunk.compressed);
-      PutInteger(out, chunk.uncompressed);
-    }
+    for (const ChunkPlace& chunk : chunks_) PutChunkIndex(out, chunk);
   });
   group(kMetadataIndex, [&] {
     for (const auto& [name, place] : metadata_) {

@@ -74,6 +74,8 @@ class Writer {
   void PutOnDisk() const;
   void WritePending();
   void Put(std::span<const std::uint8_t> bytes);
+  void PutStatistics(std::vector<std::uint8_t>& out) const;
+  static void PutChunkIndex(std::vector<std::uint8_t>& out, const ChunkPlace& chunk);
   void BuildSummary(std::vector<std::uint8_t>& out) const;
 
   std::string file_;
