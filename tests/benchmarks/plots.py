@@ -31,7 +31,7 @@ import matplotlib.pyplot as plt
 # ---- appearance: the page's style sheet, which is installed beside this script
 
 HERE = pathlib.Path(__file__).resolve().parent
-STYLE = next(style for style in (HERE / "style.css", HERE / "../../client/viewer/page/src/style.css")
+STYLE = next(style for style in (HERE / "style.css", HERE / "../../client/page/src/style.css")
              if style.is_file()).read_text(encoding="utf-8")
 
 

@@ -77,7 +77,7 @@ TEST_F(DeployScripts, TeachFromWhateverFolderTheyAreCalled) {
 
 TEST_F(DeployScripts, FetchAgainWhatWasInterrupted) {
   for (const std::string file : {"package.json", "package-lock.json"}) {
-    Write("client/viewer/page/" + file, "{}\n");
+    Write("client/page/" + file, "{}\n");
   }
   // Ends the script that calls it, as Ctrl-C does: some packages are there, but not all.
   StandIn("npm", "mkdir -p \"$2/node_modules\"; kill -KILL $PPID\n");

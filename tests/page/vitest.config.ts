@@ -9,7 +9,7 @@ export default defineConfig({
   resolve: {
     alias: {
       "@wire": at("../../build/page_modules/generated/scene_generated.ts"),
-      "@page": at("../../client/viewer/page/src"),
+      "@page": at("../../client/page/src"),
     },
   },
   test: {

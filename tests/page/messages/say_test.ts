@@ -9,7 +9,7 @@ import {figure, recordedWhen, spokenTime} from "@page/model/words";
 type Catalogue = Record<string, string>;
 
 const page = (path: string): string =>
-  fileURLToPath(new URL(`../../../client/viewer/page/${path}`, import.meta.url));
+  fileURLToPath(new URL(`../../../client/page/${path}`, import.meta.url));
 const catalogue = (language: string): Catalogue =>
   JSON.parse(readFileSync(page(`src/messages/${language}.json`), "utf8"));
 const english = catalogue("en");
@@ -109,7 +109,7 @@ test("numbers, counts and times are written as the language writes them", async 
 test("score pages name tissues as this page does", () => {
   for (const language of kLanguages) {
     const score: Catalogue = JSON.parse(
-      readFileSync(page(`../../replayer/score/words/${language}.json`), "utf8"),
+      readFileSync(page(`../replayer/score/words/${language}.json`), "utf8"),
     );
     const tissues = Object.entries(score).filter(([key]) => key.startsWith("tissue."));
     expect(tissues.length).toBeGreaterThan(0);

@@ -1,6 +1,6 @@
 import {describe, expect, it} from "vitest";
 
-import {Guide} from "../../../client/viewer/page/src/model/guide";
+import {Guide} from "../../../client/page/src/model/guide";
 
 // 100 mm along x in 2 s, then a quarter turn about x.
 const kKeys = [

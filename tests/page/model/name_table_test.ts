@@ -1,5 +1,5 @@
 import {expect, test} from "vitest";
-import {namesIn} from "../../../client/viewer/page/src/model/name_table";
+import {namesIn} from "../../../client/page/src/model/name_table";
 
 const table = (text: string): readonly string[] => {
   const {names, fromTable} = namesIn(text);

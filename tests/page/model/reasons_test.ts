@@ -10,7 +10,7 @@ import {sayReason} from "@page/model/reasons";
 
 const read = (path: string): string =>
   readFileSync(fileURLToPath(new URL(`../../../${path}`, import.meta.url)), "utf8");
-const english: Record<string, string> = JSON.parse(read("client/viewer/page/src/messages/en.json"));
+const english: Record<string, string> = JSON.parse(read("client/page/src/messages/en.json"));
 const reasons = Object.entries(english)
   .filter(([key]) => key.startsWith("reason."))
   .map(([, text]) => text);

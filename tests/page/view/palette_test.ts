@@ -5,7 +5,7 @@ import {describe, expect, test} from "vitest";
 import {contrast, difference, kEyes} from "../support/colours";
 
 const style = readFileSync(
-  new URL("../../../client/viewer/page/src/style.css", import.meta.url),
+  new URL("../../../client/page/src/style.css", import.meta.url),
   "utf8",
 );
 /// Of the style sheet's rule for a theme, by name.

@@ -3,7 +3,7 @@ import {fileURLToPath} from "node:url";
 
 import {defineConfig} from "vite";
 
-const root = fileURLToPath(new URL("../../..", import.meta.url));
+const root = fileURLToPath(new URL("../..", import.meta.url));
 export default defineConfig({
   base: "./",
   resolve: {
