@@ -194,7 +194,7 @@ TEST_P(Adversary, GetsPointsOnlyAsFarAsTheTaskIsDone) {
     EXPECT_GE(points, before) << what;
     before = points;
   }
-  std::puts(row.c_str());  // of the table in the exercises' README.md
+  std::puts(row.c_str());  // of a table: what each motion earns
 }
 
 }  // namespace
