@@ -21,15 +21,14 @@ int DepthOf(Qos role) {
   return role == Qos::kLoop ? 8 : 1;
 }
 
-/// role      reliability   durability       history      why
-/// kLoop     best effort   volatile         keep last 8  late is as bad as lost; eight, because a
-///                                                       burst must fit shared memory's queue
-///                                                       kSession  reliable      transient-local
-///                                                       keep last 1  who comes later learns what
-///                                                       holds now kStream   best effort   volatile
-///                                                       keep last 1  a viewer wants the newest,
-///                                                       and must never
-///                                                       be able to slow the writer
+// clang-format off
+/// role      reliability  durability       history      why
+/// kLoop     best effort  volatile         keep last 8  late is as bad as lost; eight, because a
+///                                                      burst must fit shared memory's queue
+/// kSession  reliable     transient-local  keep last 1  who comes later learns what holds now
+/// kStream   best effort  volatile         keep last 1  a viewer wants the newest, and must never
+///                                                      be able to slow the writer
+// clang-format on
 /// kRecord, kRecordSession: as those that they read, keep last 256
 /// Nothing is keep-all (a writer would block, and it disables shared memory), and no deadline is
 /// finite (which also disables shared memory).  A writer's end does not dispose its instances,

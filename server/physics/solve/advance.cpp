@@ -230,7 +230,6 @@ enum class Next {
 /// hold them there (README.md, "Arrival").
 /// @param goes_on  whether rows may change
 Next Settle(Party tools, bool goes_on) {
-  StepContext& lead = Lead(tools);
   const auto are_of_contacts = [&](StepContext& tool, MeshContact& contact, FrameRows& rows) {
     const Optimum& optimum = tool.advance.optimum;
     const double most = MostTurned(tool, optimum, limits::mesh::kReleaseError);
