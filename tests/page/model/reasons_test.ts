@@ -24,6 +24,7 @@ const kSources: Readonly<Record<string, readonly string[]>> = {
   "client/course/exam_seals.h": [],
   "client/course/person_name.cpp": ["ICU", "Any-Latin"],
   "client/course/roster.cpp": [],
+  "client/course/running_trials.cpp": [],
   "client/course/seal.cpp": [
     ...["palpate {}", "OpenSSL", "{}: cannot create the key", "the exams' key"],
     ...["public key", ": is not an Ed25519 key", ": is not the public key"],
@@ -34,16 +35,15 @@ const kSources: Readonly<Record<string, readonly string[]>> = {
   "client/replayer/play/timeline.cpp": ["the recording's scene "],
   "client/replayer/score/trial_cut.cpp": [],
   "client/viewer/class_room.cpp": ["has more than {} bytes"],
-  "client/viewer/hub.cpp": [
-    "its place is",
-    "this connection ends",
-    "text/plain",
-    "there is no course",
-  ],
-  "client/viewer/hub.h": [],
+  "client/viewer/course_desk.cpp": [],
+  "client/viewer/hub.cpp": [],
   "client/viewer/mouse_room.cpp": [],
   "client/viewer/mouse_station.cpp": [],
+  "client/viewer/rights.cpp": ["this connection ends"],
+  "client/viewer/server_desk.cpp": [],
+  "client/viewer/tool_desk.cpp": [],
   "client/viewer/topic_feed.cpp": [],
+  "client/viewer/viewers.cpp": ["its place is"],
   "client/viewer/wish_limits.cpp": [],
   "common/program/child_program.cpp": [],
   "server/session/session.cpp": [],
@@ -51,6 +51,7 @@ const kSources: Readonly<Record<string, readonly string[]>> = {
 };
 /// Of these, what they throw.
 const kThrow: typeof kSources = {
+  "client/course/exam_table.cpp": [],
   "client/course/person_data.cpp": [
     "cannot write the ZIP",
     ": cannot be read",
