@@ -136,6 +136,19 @@ TEST(Repository, HasPagesOfAtMost2500Words) {
   }
 }
 
+TEST(Repository, BuildsEveryTest) {
+  std::string lists;
+  const std::vector<std::string> files = SourceFiles(kRoot);
+  for (const std::string& file : files) {
+    if (file.ends_with("CMakeLists.txt")) lists += ReadWholeFile(kRoot + "/" + file);
+  }
+  for (const std::string& file : files) {
+    if (!file.ends_with("_test.cpp")) continue;
+    const std::string name = std::filesystem::path(file).filename().string();
+    EXPECT_NE(FirstMatch(lists, "[ /]" + name), "") << file << " is in no CMakeLists.txt";
+  }
+}
+
 TEST(Repository, LinksToEveryReportOfFigures) {
   const std::string folder = "tests/benchmarks/results/";
   const std::string figures = ReadWholeFile(kRoot + "/" + folder + "README.md");
