@@ -11,7 +11,8 @@ namespace palpate::test {
 namespace {
 
 /// Keeps the compiler from optimising an allocation away.
-void Use(const void* p) {
+template <class T>
+void Use(T* p) {
   asm volatile("" : : "g"(p) : "memory");
 }
 
@@ -30,7 +31,8 @@ TEST(AllocationCounter, SeesEveryWayToAskForMemoryInItsOwnThreadAlone) {
   } ways[] = {
       {"operator new", [](auto) { Use(std::make_unique<int>(3).get()); }},
       {"operator new of what is aligned", [](auto) { Use(std::make_unique<Line>().get()); }},
-      {"a vector of Eigen's of any size", [](auto) { Use(Eigen::VectorXd::Ones(9).eval().data()); }},
+      {"a vector of Eigen's of any size",
+       [](auto) { Use(Eigen::VectorXd::Ones(9).eval().data()); }},
       {"malloc", [](auto free) { free(std::malloc(8)); }},
       {"realloc", [](auto free) { free(std::realloc(nullptr, 4000)); }},
       {"calloc", [](auto free) { free(std::calloc(3, 8)); }},
