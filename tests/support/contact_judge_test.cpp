@@ -49,6 +49,11 @@ TriangleMesh Fold(double side) {
   return mesh;
 }
 
+TriangleMesh Moved(TriangleMesh mesh, const Pose& X) {
+  for (Vec3& v : mesh.vertices) v = X * v;
+  return mesh;
+}
+
 Quat About(const Vec3& axis, double degrees) {
   return RotationExp(degrees * std::numbers::pi / 180.0 * axis);
 }
@@ -113,6 +118,14 @@ TEST(ContactJudge, FindsByHowMuchABlockThatIsPulledOutsideOfItsFeetTips) {
   }
 }
 
+TEST(ContactJudge, GivesABlockAtARimTheFeetThatAreOnThePlate) {
+  const BlockOn on(MakeBox({0.04, 0.02, 0.04}));
+  Pose X = Flat(0.020);  // half of it beyond the rim at x = 20 mm
+  X.p.y() += 0.01;
+  EXPECT_LT(on.judge->Judge(X, Pull({0, -3, 0}, {0, 0, 3 * 0.001}), kLength).torque, kNone);
+  EXPECT_GT(on.judge->Judge(X, Pull({0, -3, 0}, {0, 0, -3 * 0.001}), kLength).torque, 0.001);
+}
+
 /// What the two sides of a right-angled cone about -y leave of a force in the plane of x and y.
 double LeftOfRightAngle(const Vec3& force) {
   const double across = std::abs(force.x()) - std::max(0.0, -force.y());
@@ -146,6 +159,46 @@ TEST(ContactJudge, GivesCrossedEdgesTheirCommonNormal) {
     EXPECT_NEAR(verdict.force, std::hypot(1.0, 2.0), kNone) << degrees;
     EXPECT_NEAR(verdict.torque, 0.0, kNone) << degrees;
     EXPECT_GT(judge.Judge(X, Pull({0, -3, 0}, {0.01, 0, 0}), kLength).torque, 0.005) << "a point";
+  }
+}
+
+TEST(ContactJudge, GivesACornerAtAnEdgeTheDirectionsBetweenItsFaces) {
+  const TriangleMesh roof = Fold(-1.0), block = MakeBox({0.01, 0.01, 0.01});
+  const ContactJudge judge({.mesh = &block}, {{&roof}});
+  // The corner (-, -, -) turned down, 1 um over the ridge.
+  const Quat q = RotationBetween(Vec3(-1, -1, -1), -Vec3::UnitY());
+  const Pose X{q * Vec3(0.005, 0.005, 0.005) + Vec3(0.0, kDelta, 0.0), q};
+  const auto through_the_corner = [&](const Vec3& force) {
+    return Pull(force, (-(q * Vec3(0.005, 0.005, 0.005))).cross(force));
+  };
+  EXPECT_LT(judge.Judge(X, through_the_corner({0, -3, 0}), kLength).force, kNone);
+  EXPECT_LT(judge.Judge(X, through_the_corner({1.2, -2, 0}), kLength).force, kNone);
+  EXPECT_GT(judge.Judge(X, through_the_corner({4, -2, 0}), kLength).force, 0.5);
+  EXPECT_NEAR(judge.Judge(X, through_the_corner({0, -3, 1}), kLength).force, 1.0, 0.05);
+}
+
+TEST(ContactJudge, GivesACornerInAShallowValleyBothSides) {
+  // 1 um above both sides, a corner is over both within 1 um times their slope only; right over
+  // the bottom it is over neither's inside.
+  const TriangleMesh block = MakeBox({0.01, 0.01, 0.01});
+  for (const double slope : {0.035, 0.003}) {
+    TriangleMesh valley = Sheet({-0.05, 0.0, 0.05}, {-0.05, 0.05});
+    for (Vec3& v : valley.vertices) v.y() = slope * std::abs(v.x());
+    const ContactJudge judge({.mesh = &block}, {{&valley}});
+    const Quat q = RotationBetween(Vec3(-1, -1, -1), -Vec3::UnitY());
+    const Vec3 lever = -(q * Vec3(0.005, 0.005, 0.005));
+    for (const double off : {0.0, 1e-7, -5e-7}) {
+      const Pose X{Vec3(off, kDelta, 0.0) - lever, q};
+      for (const double aside : {0.0, 2.9 * slope, -2.9 * slope}) {
+        const Vec3 force(aside, -3, 0);
+        EXPECT_LT(judge.Judge(X, Pull(force, lever.cross(force)), kLength).force, 1e-3)
+            << slope << ' ' << off;
+      }
+      const Vec3 beyond(0.5, -3, 0);
+      EXPECT_NEAR(judge.Judge(X, Pull(beyond, lever.cross(beyond)), kLength).force,
+                  (0.5 - slope * 3) / std::hypot(1.0, slope), 0.01)
+          << slope << ' ' << off;
+    }
   }
 }
 
@@ -218,6 +271,84 @@ TEST(ContactJudge, FindsTheSameInATurnedWorld) {
     const double off = trial % 2 == 0 ? 0.01 : 1e-7;
     EXPECT_NEAR(a.force, b.force, off * force.norm()) << trial;
     EXPECT_NEAR(a.torque, b.torque, off * std::max(torque.norm(), kLength * force.norm())) << trial;
+  }
+}
+
+/// A flat sheet in some tessellation: strips, cells from 1 nm to 10 mm, a fan of needles, repeated
+/// triangles, corners that coincide without being shared, and a T-junction on each of its seams.
+TriangleMesh Tessellated(int kind, Random& random) {
+  const auto uneven = [&] {
+    std::vector<double> at{-0.05};
+    while (at.back() < 0.05) {
+      at.push_back(at.back() + std::pow(10.0, random.Uniform(-9.0, -2.0)) + 1e-3 * random.Below(2));
+    }
+    return at;
+  };
+  switch (kind) {
+    case 0:
+      return Sheet(Even(-0.04, 0.04, 80), {-0.05, 0.05});
+    case 1:
+      return Sheet(uneven(), {-0.05, 0.05});
+    case 2:
+      return Sheet(Even(-0.05, 0.05, 30), Even(-0.05, 0.05, 30));
+    case 3: {  // a fan
+      TriangleMesh mesh{{Vec3(random.Uniform(-0.01, 0.01), 0.0, random.Uniform(-0.01, 0.01))}, {}};
+      constexpr std::uint32_t kCorners = 48;
+      for (std::uint32_t i = 0; i < kCorners; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kCorners;
+        mesh.vertices.push_back({0.05 * std::cos(angle), 0.0, 0.05 * std::sin(angle)});
+        mesh.triangles.push_back({0, 1 + (i + 1) % kCorners, 1 + i});
+      }
+      return mesh;
+    }
+    case 4: {  // nothing shared, everything twice
+      const TriangleMesh from = Sheet(Even(-0.05, 0.05, 9), Even(-0.05, 0.05, 9));
+      TriangleMesh mesh;
+      for (int twice = 0; twice < 2; ++twice) {
+        for (const auto& t : from.triangles) {
+          const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+          for (const std::uint32_t v : t) mesh.vertices.push_back(from.vertices[v]);
+          mesh.triangles.push_back({first, first + 1, first + 2});
+        }
+      }
+      return mesh;
+    }
+    default: {  // strips whose seams have corners of the one side alone
+      TriangleMesh mesh;
+      for (int i = 0; i < 20; ++i) {
+        const TriangleMesh strip =
+            Sheet({-0.05 + 0.005 * i, -0.05 + 0.005 * (i + 1)}, Even(-0.05, 0.05, 3 + i % 4));
+        const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.insert(mesh.vertices.end(), strip.vertices.begin(), strip.vertices.end());
+        for (const auto& [a, b, c] : strip.triangles) {
+          mesh.triangles.push_back({a + first, b + first, c + first});
+        }
+      }
+      return mesh;
+    }
+  }
+}
+
+TEST(ContactJudge, FeelsNoTessellationOfAPlane) {
+  Random random(5);
+  const TriangleMesh block = MakeBox(kBlock);
+  for (int trial = 0; trial < 60; ++trial) {
+    const Pose tilt = trial % 2 == 0 ? Pose{} : Pose{random.InCube(0.05), random.Rotation()};
+    const TriangleMesh sheet = Moved(Tessellated(trial % 6, random), tilt);
+    const ContactJudge judge({.mesh = &block}, {{&sheet}});
+    // A tool at rest leans by up to half a micrometre over its size.
+    const Quat lean = RotationExp(random.InCube(0.4e-6 / 0.013));
+    const Pose X = tilt * Pose{Flat(random.Uniform(-0.01, 0.01)).p,
+                               About(Vec3::UnitY(), random.Uniform(0.0, 360.0)) * lean};
+    const Vec3 down = tilt.q * Vec3(0, -3, 0), aside = tilt.q * Vec3(2, 0, 1);
+    const auto borne = judge.Judge(X, Pull(down), kLength);
+    EXPECT_LT(borne.force, 1e-3) << trial;
+    EXPECT_LT(borne.torque, 1e-3 * kLength) << trial;
+    const auto not_borne = judge.Judge(X, Pull(down + aside), kLength);
+    EXPECT_NEAR(not_borne.force, aside.norm(), 1e-3) << trial;
+    for (const ContactJudge::Contact& contact : judge.ContactsAt(X)) {
+      EXPECT_GT(contact.normal_W.dot(-down) / 3.0, 1.0 - 1e-8) << trial;
+    }
   }
 }
 

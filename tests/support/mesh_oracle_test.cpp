@@ -25,6 +25,41 @@ TriangleMesh Sheet() {
           {{0, 1, 2}, {0, 2, 3}}};
 }
 
+TEST(MeshOracle, IsTheDepthOfABoxesCornerInABox) {
+  for (const double size : {1e-3, 0.05, 10.0}) {
+    const TriangleMesh tool = MakeBox(Vec3::Constant(0.4 * size));
+    const Pose X_WB{Vec3(2 * size, 0, 0)};
+    const MeshOracle oracle = Against(tool, MakeBox(Vec3::Constant(size)), X_WB);
+    // The tool's corner points down into the middle of the top, wholly inside.
+    const Quat tilt = RotationExp(Vec3(0.6, 0.1, 0.5));
+    double down = 0.0;
+    for (const Vec3& v : tool.vertices) down = std::max(down, -(tilt * v).y());
+    const auto at = [&](double depth) {
+      return oracle.At({Vec3(2 * size, 0.5 * size + down - depth, 0.01 * size), tilt});
+    };
+    EXPECT_TRUE(at(0.01 * size).meet);
+    EXPECT_NEAR(at(0.01 * size).depth, 0.01 * size, 1e-14 * size);
+    EXPECT_NEAR(at(1e-9 * size).depth, 1e-9 * size, 1e-14 * size);
+    EXPECT_FALSE(at(-1e-9 * size).meet);
+    EXPECT_EQ(at(-1e-9 * size).depth, 0.0);
+  }
+}
+
+TEST(MeshOracle, SeesEdgesThatCrossWithoutAVertexInside) {
+  // Two bars crosswise, ridge against ridge: no vertex of one is near the other.
+  const TriangleMesh bar = MakeBox(Vec3(1, 0.1, 0.1));
+  const Quat on_edge = RotationExp(Vec3(M_PI / 4, 0, 0));
+  const Quat across = RotationExp(Vec3(0, M_PI / 2, 0)) * on_edge;
+  const double ridge = 0.1 / std::sqrt(2.0);
+  const MeshOracle oracle = Against(bar, bar, {Vec3::Zero(), on_edge});
+  const auto at = [&](double depth) {
+    return oracle.At({Vec3(0.013, 2 * ridge - depth, 0.017), across});
+  };
+  EXPECT_NEAR(at(2e-3).depth, 2e-3, 1e-12);
+  EXPECT_NEAR(at(2e-6).depth, 2e-6, 1e-12);
+  EXPECT_FALSE(at(-1e-12).meet);
+}
+
 TEST(MeshOracle, SeesWhatIsWhollyInsideAClosedMesh) {
   const TriangleMesh tool = MakeBox(Vec3::Constant(0.02)), object = MakeBox(Vec3::Constant(0.1));
   const MeshOracle inside = Against(tool, object), round = Against(object, tool);
@@ -35,6 +70,18 @@ TEST(MeshOracle, SeesWhatIsWhollyInsideAClosedMesh) {
     EXPECT_EQ(overlap.pairs, 0);
     EXPECT_NEAR(overlap.depth, 0.04, 1e-15) << "its corners at y = 0.01, the walls at 0.05";
   }
+}
+
+TEST(MeshOracle, FollowsTheInsideFromWhereTheSurfacesMeet) {
+  // A fine ball 8 mm deep in a plate, far deeper than the length of its triangles.
+  const double radius = 0.02;
+  const TriangleMesh ball = MakeSphere(radius, 5000), plate = MakeBox(Vec3(0.2, 0.05, 0.2));
+  const MeshOracle oracle = Against(ball, plate);
+  const MeshOracle::Overlap overlap = oracle.At({Vec3(0.001, 0.025 + radius - 0.008, 0.002)});
+  double lowest = 0.0;
+  for (const Vec3& v : ball.vertices) lowest = std::min(lowest, v.y());
+  EXPECT_NEAR(overlap.depth, 0.008 - (radius + lowest), 1e-12);
+  EXPECT_GT(overlap.pairs, 50);
 }
 
 TEST(MeshOracle, CountsASheetFromBothSides) {

@@ -13,6 +13,56 @@
 namespace palpate::test {
 namespace {
 
+/// Presses the tool, above the origin, 2 mm into what is below, and then keeps still.
+std::vector<Pose> Press(double y) {
+  std::vector<Pose> hand;
+  for (int i = 0; i < 60; ++i)
+    hand.push_back({Vec3(0.003, y + 1e-4 * std::max(-20, 5 - i), 0.004)});
+  return hand;
+}
+
+SupportFigures Measure(const Scene& scene, double y) {
+  return MeasureContact(scene, Press(y), {.judge_every = 1, .progress = {}}).support;
+}
+
+TEST(SupportFigures, FindABlockOnACubeBorneAndNotToBeNudgedAway) {
+  const SupportFigures s =
+      Measure(MeshScene(MakeBox(Vec3::Constant(0.01)), MakeBox(Vec3::Constant(0.05))), 0.03);
+  EXPECT_EQ(s.not_judged_for, "");
+  EXPECT_EQ(s.force.size(), 60u);
+  EXPECT_LT(std::ranges::max(s.force), 1e-4);
+  EXPECT_LT(std::ranges::max(s.torque), 1e-5);
+  EXPECT_GT(s.nudged, 40u);
+  EXPECT_EQ(s.freed, 0u);
+}
+
+TEST(SupportFigures, FindABallOnACubeBorne) {
+  Scene scene = MeshScene(MakeBox(Vec3::Constant(0.01)), MakeBox(Vec3::Constant(0.05)));
+  scene.tools.front() = BallBody(0.005);
+  const SupportFigures s = Measure(scene, 0.03);
+  EXPECT_LT(std::ranges::max(s.force), 1e-4);
+  EXPECT_GT(s.nudged, 40u);
+}
+
+TEST(SupportFigures, DoNotJudgeLeaves) {
+  Scene scene = MeshScene(MakeBox(Vec3::Constant(0.01)), MakeBox(Vec3::Constant(0.05)));
+  scene.features.contact = ContactModel::kSpheres;
+  const SupportFigures s = Measure(scene, 0.03);
+  EXPECT_NE(s.not_judged_for, "");
+  EXPECT_TRUE(s.force.empty());
+  EXPECT_EQ(s.nudged, 0u);
+}
+
+TEST(SupportFigures, DoNotJudgeWhatYields) {
+  Scene scene = MakeScene(MakeBox(Vec3::Constant(0.01)), 64, MakeBox(Vec3::Constant(0.05)), 256,
+                          ContactModel::kSurface);
+  scene.features.compliance = true;
+  scene.objects.front().materials.front().stiffness = 300.0;
+  const SupportFigures s = Measure(scene, 0.03);
+  EXPECT_GT(s.soft, 30u);
+  EXPECT_LT(s.force.size(), 30u);
+}
+
 /// What the step says of a block that stands where nothing holds it sideways: the judge takes the
 /// poses' pull and not the step's word.
 TEST(SupportFigures, TakeAnArrivedToolThatNothingHoldsAtItsPull) {
@@ -61,6 +111,21 @@ TEST(SupportFigures, TellStictionThatANudgeBreaksFromWhatNothingHolds) {
   EXPECT_GT(s.freed, 3u);
   EXPECT_EQ(s.freed_of_stiction, s.freed);
   EXPECT_EQ(s.freed_unnudged, 0u);
+}
+
+TEST(SupportFigures, CountCyclesWhoseFrictionFailed) {
+  const Scene scene = MeshScene(MakeBox(Vec3::Constant(0.01)), MakeBox(Vec3::Constant(0.05)));
+  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
+  StepWorkspace workspace(model);
+  SupportMeasure measure(scene, model, workspace);
+  StepReport report{};
+  report.diagnostics.friction_unsolved = 3;
+  measure.Count(report);
+  report.diagnostics = {};
+  report.diagnostics.friction_yielded = 1;
+  measure.Count(report);
+  EXPECT_EQ(measure.figures().friction_unsolved, 1u);
+  EXPECT_EQ(measure.figures().friction_yielded, 1u);
 }
 
 }  // namespace
