@@ -4,10 +4,7 @@ import {describe, expect, test} from "vitest";
 
 import {contrast, difference, kEyes} from "../support/colours";
 
-const style = readFileSync(
-  new URL("../../../client/page/src/style.css", import.meta.url),
-  "utf8",
-);
+const style = readFileSync(new URL("../../../client/page/src/style.css", import.meta.url), "utf8");
 /// Of the style sheet's rule for a theme, by name.
 const coloursOf = (selector: string): Record<string, string> => {
   const rule = new RegExp(`\\n${selector} \\{([^}]*)\\}`).exec(style)![1]!;
