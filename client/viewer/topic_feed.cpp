@@ -62,6 +62,7 @@ std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool 
                                                    bool teaches) {
   std::vector<foxglove::Channel> channels = {
       CdrChannel<wire::ToolState>(kToolState, dds::kToolStateTopic),
+      CdrChannel<wire::MovedState>(kMovedState, dds::kMovedStateTopic),
       CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
       CdrChannel<wire::StationStatistics>(kStationStatistics, dds::kStationStatisticsTopic),
       CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
@@ -101,6 +102,7 @@ struct TopicFeed::Readers {
   const dds::Participant& on;
   const std::shared_ptr<dds::Source> of, anyone = std::make_shared<dds::Source>(dds::Source::kFew);
   dds::CdrReader<wire::ToolState> tool_states{on, dds::kToolStateTopic, dds::Qos::kStream, of};
+  dds::CdrReader<wire::MovedState> moved{on, dds::kMovedStateTopic, dds::Qos::kStream, of};
   dds::CdrReader<wire::LoopStatistics> statistics{on, dds::kLoopStatisticsTopic, dds::Qos::kStream,
                                                   of};
   dds::CdrReader<wire::StationStatistics> stations{on, dds::kStationStatisticsTopic,
@@ -217,8 +219,8 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use,
     frame->origin = raw.origin;
     frame->time_ns = raw.source_time_ns;
     frame->payload = std::move(raw.cdr);
-    frame->state =
-        channel != kToolState && channel != kLoopStatistics && channel != kStationStatistics;
+    frame->state = channel != kToolState && channel != kMovedState && channel != kLoopStatistics &&
+                   channel != kStationStatistics;
     use(frame, sample);
   }
   dds::FreeContents(sample);
@@ -297,6 +299,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
   const auto of_server = [&](const FramePtr& frame, const auto&) {
     if (!IsForeign(frame->origin)) on_frame(frame);
   };
+  Drain(readers_->moved, kMovedState, of_server);
   Drain(readers_->tool_states, kToolState, of_server);
   Drain(readers_->statistics, kLoopStatistics, of_server);
   Drain(readers_->stations, kStationStatistics,

@@ -59,6 +59,7 @@ class TopicFeed {
     kTrial,        ///< to each of those people, about their own trial
     kExam,         ///< to each of those people: the open exam; to operators: all of it
     kExamAnswer,   ///< to each operator, about its commands
+    kMovedState,
   };
   /// Returns the channels that a viewer is offered.
   /// @param mice       it may have a mouse.
