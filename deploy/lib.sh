@@ -42,9 +42,13 @@ configure() {
 
 # build PRESET TARGET...: configures and builds.
 build() {
+  configure "$1" && compile "$@"
+}
+
+# compile PRESET TARGET...: builds what is configured.
+compile() {
   local preset=$1
   shift
-  configure "$preset" || return
   if [[ -t 1 ]]; then  # ninja shows its progress in one line
     NINJA_STATUS="building $preset %f/%t " ninja -C "build/$preset" "$@"
   else

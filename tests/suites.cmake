@@ -1,39 +1,60 @@
 # Writes what ctest has to know of one executable of tests: each suite of it is one entry, NAME/Suite,
 # and one process, for the start of a process costs more than most tests.  Run after the executable is
 # linked, with
-#   -D executable=FILE -D name=NAME -D out=FILE -D launcher=COMMAND -D each=REGEX -D without=FILTER
-#   -D "properties=NAME VALUE..."
-# `each`: suites whose name matches have a process for each test, NAME/Suite.Test.  `without`: a filter of
-# GoogleTest's, of tests that are left out.
-execute_process(COMMAND ${executable} --gtest_list_tests OUTPUT_VARIABLE list
+#   -D executable=FILE -D names=FILE -D out=FILE
+# The file `names` sets the list `names`, and for each name in it what palpate_add_test was told
+# (tests/CMakeLists.txt): NAME_files, whose suites it is for; NAME_launcher; NAME_properties; NAME_each: suites
+# whose name matches have a process for each test, NAME/Suite.Test; NAME_without: a filter of GoogleTest's, of
+# tests that are left out.
+cmake_minimum_required(VERSION 3.25)
+include(${names})
+foreach(name IN LISTS names)
+  foreach(file IN LISTS ${name}_files)
+    set(name_of_${file} ${name})
+  endforeach()
+endforeach()
+execute_process(COMMAND ${executable} --gtest_list_tests --gtest_output=json:${out}.json OUTPUT_QUIET
                 COMMAND_ERROR_IS_FATAL ANY TIMEOUT 60)
-if(without)
-  set(without "-${without}")
-endif()
-string(REPLACE ";" "," list "${list}")  # in what a parameter is shown as
-string(REPLACE "\n" ";" list "${list}")
+# A suite's name is followed by its tests', and a test's name by its file.
+file(STRINGS ${out}.json lines REGEX "^ *\"(name|file)\": ")
+file(REMOVE ${out}.json)
 set(content "")
 function(entry test filter)
-  string(APPEND content "add_test([=[${name}/${test}]=] ${launcher} \"${executable}\" [=[--gtest_filter=${filter}${without}]=])
-set_tests_properties([=[${name}/${test}]=] PROPERTIES ${properties})\n")
+  if(${name}_without)
+    string(APPEND filter "-${${name}_without}")
+  endif()
+  string(APPEND content "add_test([=[${name}/${test}]=] ${${name}_launcher} \"${executable}\" [=[--gtest_filter=${filter}]=])
+set_tests_properties([=[${name}/${test}]=] PROPERTIES ${${name}_properties})\n")
   set(content "${content}" PARENT_SCOPE)
 endfunction()
 set(suite "")
-foreach(line IN LISTS list)
-  string(REGEX REPLACE " *#.*$" "" line "${line}")
-  if(line MATCHES "^([^ ].*)\\.$")
-    set(suite "${CMAKE_MATCH_1}")
-    set(told no)
-    continue()
-  elseif(NOT line MATCHES "^  [^ ]" OR "${suite}${line}" MATCHES "DISABLED_")
+set(last "")
+foreach(line IN LISTS lines)
+  if(line MATCHES "^ *\"name\": \"(.*)\"")
+    set(last_but_one "${last}")
+    set(last "${CMAKE_MATCH_1}")
     continue()
   endif()
-  string(STRIP "${line}" test)
-  if(each AND suite MATCHES "${each}")
+  string(REPLACE "\\/" "/" file "${line}")
+  string(REGEX REPLACE "^.*[/\"](tests/.*)\".*" "\\1" file "${file}")
+  if(NOT last_but_one STREQUAL "")
+    set(suite "${last_but_one}")
+  endif()
+  set(test "${last}")
+  set(last "")
+  if("${suite}.${test}" MATCHES "DISABLED_")
+    continue()
+  elseif(NOT DEFINED name_of_${file})
+    message(FATAL_ERROR "${suite}.${test}: no palpate_add_test names ${file}")
+  endif()
+  set(name ${name_of_${file}})
+  if(${name}_each AND suite MATCHES "${${name}_each}")
     entry("${suite}.${test}" "${suite}.${test}")
-  elseif(NOT told)
+  elseif(NOT DEFINED "told_${suite}")
     entry("${suite}" "${suite}.*")
-    set(told yes)
+    set("told_${suite}" ${name})
+  elseif(NOT "${told_${suite}}" STREQUAL "${name}")
+    message(FATAL_ERROR "${suite} is in ${told_${suite}} and in ${name}: name one of them otherwise")
   endif()
 endforeach()
 file(WRITE ${out} "${content}")

@@ -138,6 +138,14 @@ void CourseFile::Use(const std::function<void(SQLite::Database&)>& action) {
   }
 }
 
+void CourseFile::Whole(const std::function<void()>& action) {
+  Use([&](SQLite::Database& database) {
+    SQLite::Transaction transaction(database);
+    action();
+    transaction.commit();
+  });
+}
+
 void CourseFile::NoteHold() {
   const std::int64_t now_ns = SteadyNanoseconds();
   if (held_since_ns_ == 0) {

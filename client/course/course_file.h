@@ -22,7 +22,7 @@ class CourseHeld : public Error {
 
 /// The file of a course, FOLDER/course.sqlite: its people and their results.  A completed write is
 /// on the disk (WAL, synchronous=FULL), so neither a killed process nor a power failure loses
-/// anything that was confirmed.  Each part of a course creates its own tables there.
+/// anything that was confirmed.  A class for each table (…_table.h) creates and uses it.
 /// Thread contract: one thread.  Several processes may have the file open.
 class CourseFile {
  public:
@@ -40,6 +40,9 @@ class CourseFile {
   /// program holds the file for a quarter of a second, and from then on at once, until it lets go;
   /// after a second a line of the log says so.  Throws Error, too, once another file has its name.
   void Use(const std::function<void(SQLite::Database&)>& action);
+  /// Makes all changes of `action`, which uses this file, or if it throws none.  Throws as Use
+  /// does.
+  void Whole(const std::function<void()>& action);
 
  private:
   void NoteHold();

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <utility>
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -29,26 +28,9 @@ constexpr std::int64_t kMostMore_s = 8 * 3600;
 
 constexpr const char* kTimeIsOver = "the exam's time is over";
 constexpr const char* kClosed = "the exam is closed";
-constexpr const char* kTables = R"(CREATE TABLE IF NOT EXISTS exams(
-  id INTEGER PRIMARY KEY AUTOINCREMENT, name TEXT NOT NULL, sha256 TEXT NOT NULL,
-  title TEXT NOT NULL, tasks TEXT NOT NULL, opened_s INTEGER NOT NULL, ends_s INTEGER NOT NULL,
-  closed_s INTEGER NOT NULL DEFAULT 0, alive_s INTEGER NOT NULL, down_s INTEGER NOT NULL DEFAULT 0);
-CREATE TABLE IF NOT EXISTS exam_people(
-  exam INTEGER NOT NULL, person INTEGER NOT NULL, PRIMARY KEY(exam, person));
-CREATE TABLE IF NOT EXISTS exam_trials(
-  exam INTEGER NOT NULL, person INTEGER NOT NULL, task INTEGER NOT NULL, exercise TEXT NOT NULL,
-  n INTEGER NOT NULL, station TEXT NOT NULL, scene TEXT NOT NULL, scene_hash TEXT NOT NULL,
-  counts INTEGER NOT NULL DEFAULT 1, PRIMARY KEY(person, exercise, n)))";
 
 std::string Text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-/// Binds the values in order, from parameter 1.
-template <class... Values>
-void Bind(SQLite::Statement& statement, const Values&... values) {
-  int at = 0;
-  (statement.bind(++at, values), ...);
 }
 
 }  // namespace
@@ -59,9 +41,10 @@ ExamRoom::ExamRoom(std::string folder, CourseFile& file, Roster& roster, TrialRo
       file_(file),
       roster_(roster),
       trials_(trials),
+      table_(file),
+      trial_table_(file),
       seals_(folder_),
-      turns_(file) {
-  file_.Use([](SQLite::Database& database) { database.exec(kTables); });
+      turns_(table_) {
   Read();
   Do(R"({"tag": 0, "op": "look"})", now_s);
   if (newest_.number != 0) TakeUp(now_s);
@@ -74,22 +57,16 @@ void ExamRoom::TakeUp(std::int64_t now_s) {
   } else {
     // What the roll does not have was never begun: its gateway was killed in that very moment, or
     // somebody wrote it into the file.
-    file_.Use([&](SQLite::Database& database) {
-      for (const Trial& trial : newest_.trials) {
-        if (seals_.Find(trial.key()) != nullptr) continue;
-        SQLite::Statement row(database,
-                              "DELETE FROM exam_trials WHERE person=? AND exercise=? AND n=?");
-        Bind(row, trial.person, trial.exercise, trial.n);
-        row.exec();
-      }
-    });
-    Set("ends_s", seals_.roll().ends_s);
-    Set("closed_s", seals_.roll().closed_s);
+    for (const Trial& trial : done_) {
+      if (seals_.Find(trial.key()) == nullptr) table_.DropTrial(trial.key());
+    }
+    Set(ExamTable::Time::kEnds, seals_.roll().ends_s);
+    Set(ExamTable::Time::kClosed, seals_.roll().closed_s);
   }
   if (!newest_.is_open()) return;
   const std::int64_t down_s = now_s - newest_.alive_s;
   if (down_s > 2 * kBeat_s) {
-    Set("down_s", newest_.down_s + down_s);
+    Set(ExamTable::Time::kDown, newest_.down_s + down_s);
     turns_.Move(down_s);  // it may be given back to all, so it is nobody's waiting
   }
   if (down_s < 0) ClockWasSet(down_s);  // or all would gain that time
@@ -100,80 +77,28 @@ void ExamRoom::TakeUp(std::int64_t now_s) {
 
 ExamRoom::~ExamRoom() = default;
 
-void ExamRoom::Read() try {
+void ExamRoom::Read() {
   newest_ = {};
+  done_.clear();
   changed_ = true;
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement exam(database,
-                           "SELECT id, name, sha256, title, tasks, opened_s, ends_s, closed_s, "
-                           "alive_s, down_s FROM exams ORDER BY id DESC LIMIT 1");
-    if (!exam.executeStep()) return;
-    newest_.number = exam.getColumn(0).getInt64();
-    newest_.exam.name = exam.getColumn(1).getString();
-    newest_.exam.sha256 = exam.getColumn(2).getString();
-    newest_.exam.title = Json::parse(exam.getColumn(3).getString()).get<LocalText>();
-    newest_.exam.tasks = ReadTasks(exam.getColumn(4).getString());
-    newest_.opened_s = exam.getColumn(5).getInt64();
-    newest_.ends_s = exam.getColumn(6).getInt64();
-    newest_.closed_s = exam.getColumn(7).getInt64();
-    newest_.alive_s = exam.getColumn(8).getInt64();
-    newest_.down_s = exam.getColumn(9).getInt64();
-    SQLite::Statement people(database, "SELECT person FROM exam_people WHERE exam=?");
-    people.bind(1, newest_.number);
-    while (people.executeStep()) newest_.people.insert(people.getColumn(0).getInt64());
-  });
+  newest_ = table_.Newest();
   if (newest_.number == 0) return;
   turns_.Read(newest_.number, newest_.people, static_cast<int>(newest_.exam.tasks.size()));
-  ReadTrials();
-} catch (const Json::exception& error) {
-  throw Error(
-      fmt::format("course.sqlite: exam {}: {}; it was changed by hand; restore it from a copy",
-                  newest_.number, error.what()));
-}
-
-void ExamRoom::ReadTrials() {
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement rows(
-        database,
-        "SELECT e.person, task, e.exercise, e.n, station, scene, scene_hash, counts, begun_s, "
-        "IFNULL(ended_s, 0), IFNULL(whole, 1), IFNULL(reason, ''), points, "
-        "passed FROM "
-        "exam_trials e JOIN trials t ON t.person=e.person AND t.exercise=e.exercise AND t.n=e.n "
-        "WHERE exam=? ORDER BY e.person, task, e.n");
-    rows.bind(1, newest_.number);
-    while (rows.executeStep()) {
-      Trial trial;
-      trial.person = rows.getColumn(0).getInt64();
-      trial.task = rows.getColumn(1).getInt();
-      trial.exercise = rows.getColumn(2).getString();
-      trial.n = rows.getColumn(3).getInt();
-      trial.station = rows.getColumn(4).getString();
-      trial.scene = rows.getColumn(5).getString();
-      trial.scene_hash = rows.getColumn(6).getString();
-      trial.counts = rows.getColumn(7).getInt() == 1;
-      trial.begun_s = rows.getColumn(8).getInt64();
-      trial.ended_s = rows.getColumn(9).getInt64();
-      trial.whole = rows.getColumn(10).getInt() == 1;
-      trial.reason = rows.getColumn(11).getString();
-      if (!rows.getColumn(12).isNull()) trial.points = rows.getColumn(12).getDouble();
-      trial.scored = !rows.getColumn(13).isNull();
-      if (const Roll::Entry* const entry = seals_.Find(trial.key())) {
-        trial.counts = entry->counts;
-        trial.sealed = !entry->seal.empty();
-        trial.sha256 = entry->sha256;
-        trial.lost = entry->lost;
-      }
-      newest_.trials.push_back(std::move(trial));
+  for (ExamTrialRow& row : table_.TrialsOf(newest_.number)) {
+    Trial trial;
+    static_cast<ExamTrialRow&>(trial) = std::move(row);
+    if (const Roll::Entry* const entry = seals_.Find(trial.key())) {
+      trial.counts = entry->counts;
+      trial.sealed = !entry->seal.empty();
+      trial.sha256 = entry->sha256;
+      trial.lost = entry->lost;
     }
-  });
+    done_.push_back(std::move(trial));
+  }
 }
 
-void ExamRoom::Set(const char* column, std::int64_t value) {
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement row(database, fmt::format("UPDATE exams SET {}=? WHERE id=?", column));
-    Bind(row, value, newest_.number);
-    row.exec();
-  });
+void ExamRoom::Set(ExamTable::Time time, std::int64_t value_s) {
+  table_.Set(newest_.number, time, value_s);
   Read();
 }
 
@@ -181,7 +106,7 @@ void ExamRoom::SetEnd(std::int64_t ends_s) {
   if (seals_.trouble().empty()) {
     seals_.Change([&](Roll& roll) { roll.ends_s = ends_s; });
   }
-  Set("ends_s", ends_s);
+  Set(ExamTable::Time::kEnds, ends_s);
   over_.clear();
 }
 
@@ -218,7 +143,7 @@ std::string ExamRoom::Do(std::string_view wish, std::int64_t now_s) {
       SetEnd(std::max(newest_.ends_s, now_s) + number("s", kMostMore_s));
     } else if (op == "give_back") {
       SetEnd(newest_.ends_s + newest_.down_s);
-      Set("down_s", 0);
+      Set(ExamTable::Time::kDown, 0);
     } else if (op == "again") {
       Again(number("person", 0x7fffffff));
     } else {
@@ -262,29 +187,18 @@ void ExamRoom::Store(const Exam& exam, const std::set<std::int64_t>& people,
   roll.tasks = exam.tasks;
   roll.opened_s = now_s;
   roll.ends_s = now_s + static_cast<std::int64_t>(exam.time_s);
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Transaction whole(database);
-    SQLite::Statement row(database,
-                          "INSERT INTO exams(name, sha256, title, tasks, opened_s, ends_s, "
-                          "alive_s) VALUES(?, ?, ?, ?, ?, ?, ?)");
-    Bind(row, exam.name, exam.sha256, Json(exam.title).dump(), TasksText(exam.tasks), now_s,
-         roll.ends_s, now_s);
-    row.exec();
-    roll.exam_number = database.getLastInsertRowid();
-    std::vector<std::string> scenes;
-    for (const ExamTask& task : exam.tasks) {
-      scenes.push_back(trials_.Find(task.exercise)->scene_name);
-    }
+  std::vector<std::string> scenes;
+  for (const ExamTask& task : exam.tasks) {
+    scenes.push_back(trials_.pages().Find(task.exercise)->scene_name);
+  }
+  file_.Whole([&] {
+    roll.exam_number = table_.Add(exam, now_s, roll.ends_s);
     std::size_t n = 0;
     for (const std::int64_t person : people) {
-      SQLite::Statement one(database, "INSERT INTO exam_people(exam, person) VALUES(?, ?)");
-      Bind(one, roll.exam_number, person);
-      one.exec();
-      ExamTurns::Store(database, roll.exam_number, person,
-                       ExamTurns::OrderOf(n++, exam.rotates, scenes));
+      table_.AddPerson(roll.exam_number, person);
+      table_.Keep(roll.exam_number, {person, ExamTurns::OrderOf(n++, exam.rotates, scenes)});
     }
     seals_.Open(roll);
-    whole.commit();
   });
 } catch (const Error&) {
   if (newest_.number != 0) seals_.TakeUp(NewRoll());  // the last exam's again
@@ -299,14 +213,14 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
     throw Error("the last exam's trials are being sealed; wait a moment" +
                 (trouble_.empty() ? "" : ": " + trouble_));
   }
-  if (std::ranges::any_of(newest_.trials, [&](const Trial& trial) { return Waits(trial); })) {
+  if (std::ranges::any_of(done_, [&](const Trial& trial) { return Waits(trial); })) {
     throw Error("the last exam's trials are being scored; wait a moment");
   }
   CompleteRoll();  // newest_ is about to be replaced
   if (!std::ranges::all_of(name, IsOfName)) throw Error("there is no exam " + Quoted(name));
   const Exam exam = LoadExam(folder_ + "/" + name + kExamEnding);
   for (const ExamTask& task : exam.tasks) {
-    if (trials_.Find(task.exercise) != nullptr) continue;
+    if (trials_.pages().Find(task.exercise) != nullptr) continue;
     throw Error(fmt::format(
         "exercise '{}' was added after this gateway started; restart the gateway", task.exercise));
   }
@@ -316,30 +230,24 @@ void ExamRoom::Open(const std::string& name, std::int64_t now_s) {
   over_.clear();
   set_by_s_ = owed_s_ = 0;
   trials_.EndOf(people, "an exam begins");
-  trials_.ForgetPages(people);
+  trials_.pages().Forget(people);
 }
 
 void ExamRoom::Again(std::int64_t person) {
-  const auto last = std::ranges::max_element(newest_.trials, {}, [&](const Trial& trial) {
+  const auto last = std::ranges::max_element(done_, {}, [&](const Trial& trial) {
     // The task done last, from 1, and its last trial.
     return trial.person == person && trial.counts
                ? std::pair(PlaceOf(person, static_cast<std::size_t>(trial.task)) + 1, trial.n)
                : std::pair(std::size_t{0}, 0);
   });
-  if (last == newest_.trials.end() || last->person != person || !last->counts) {
+  if (last == done_.end() || last->person != person || !last->counts) {
     throw Error("that person has no trial to repeat");
   }
   if (last->ended_s == 0)
     throw Error("that trial is still running; it can be repeated after it ends");
-  seals_.Change([&](Roll& roll) {
-    std::ranges::find(roll.trials, last->key(), ExamSeals::KeyOf)->counts = false;
-  });
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement row(database,
-                          "UPDATE exam_trials SET counts=0 WHERE person=? AND exercise=? AND n=?");
-    Bind(row, last->person, last->exercise, last->n);
-    row.exec();
-  });
+  seals_.Change(
+      [&](Roll& roll) { std::ranges::find(roll.trials, last->key(), KeyOf)->counts = false; });
+  table_.DoesNotCount(last->key());
   Read();
 }
 
@@ -347,7 +255,7 @@ void ExamRoom::Close(std::int64_t now_s) {
   if (seals_.trouble().empty()) {
     seals_.Change([&](Roll& roll) { roll.closed_s = now_s; });
   }
-  Set("closed_s", now_s);
+  Set(ExamTable::Time::kClosed, now_s);
   trials_.EndOf(newest_.people, kClosed);
 }
 
@@ -360,13 +268,12 @@ bool ExamRoom::Sits(std::int64_t person) const {
 bool ExamRoom::Needs(std::int64_t person) const {
   return newest_.people.contains(person) &&
          (newest_.is_open() || !(seals_.roll().complete || !seals_.trouble().empty()) ||
-          std::ranges::any_of(newest_.trials, [&](const Trial& trial) {
-            return trial.person == person && Waits(trial);
-          }));
+          std::ranges::any_of(
+              done_, [&](const Trial& trial) { return trial.person == person && Waits(trial); }));
 }
 
 int ExamRoom::DoneOf(std::int64_t person, std::size_t task) const {
-  return static_cast<int>(std::ranges::count_if(newest_.trials, [&](const Trial& trial) {
+  return static_cast<int>(std::ranges::count_if(done_, [&](const Trial& trial) {
     return trial.person == person && trial.counts && trial.task == static_cast<int>(task);
   }));
 }
@@ -385,7 +292,7 @@ std::size_t ExamRoom::PlaceOf(std::int64_t person, std::size_t task) const {
 }
 
 const Exercise* ExamRoom::ExerciseOf(std::size_t task) const {
-  return task < newest_.exam.tasks.size() ? trials_.Find(newest_.exam.tasks[task].exercise)
+  return task < newest_.exam.tasks.size() ? trials_.pages().Find(newest_.exam.tasks[task].exercise)
                                           : nullptr;
 }
 
@@ -400,10 +307,10 @@ std::size_t ExamRoom::PresentTaskOf(std::int64_t person) const {
 }
 
 const ExamRoom::Trial* ExamRoom::RunningOf(std::int64_t person) const {
-  const auto runs = std::ranges::find_if(newest_.trials, [&](const Trial& trial) {
+  const auto runs = std::ranges::find_if(done_, [&](const Trial& trial) {
     return trial.person == person && trial.counts && trial.ended_s == 0;
   });
-  return runs == newest_.trials.end() ? nullptr : &*runs;
+  return runs == done_.end() ? nullptr : &*runs;
 }
 
 std::int64_t ExamRoom::Waited_s(std::int64_t person, std::int64_t now_s) const {
@@ -419,10 +326,24 @@ std::int64_t ExamRoom::EndsFor_s(std::int64_t person, std::int64_t now_s) const 
   return newest_.ends_s + owed_s_ + Waited_s(person, now_s);
 }
 
-std::string ExamRoom::SeatToBegin(std::int64_t person, std::int64_t now_s,
-                                  const ExamTurns::Seats& seats) {
+bool ExamRoom::Call(std::int64_t now_s, const ExamTurns::Seats& seats) {
+  const ExamTurns::Seats last_first{[&](std::int64_t person, const std::string& scene) {
+                                      std::vector<std::string> free = seats.free(person, scene);
+                                      const auto last =
+                                          std::ranges::find(free, LastSeatOf(person, scene));
+                                      if (last != free.end())
+                                        std::rotate(free.begin(), last, last + 1);
+                                      return free;
+                                    },
+                                    seats.is_here};
+  return turns_.Call(now_s, last_first, [this](std::int64_t of) { return NextSceneOf(of); });
+}
+
+std::string ExamRoom::SeatToBegin(std::int64_t person, const std::string& exercise,
+                                  std::int64_t now_s, const ExamTurns::Seats& seats) {
+  TaskToBegin(person, exercise, now_s);
   turns_.Ask(person, now_s);
-  turns_.Call(now_s, seats, [this](std::int64_t of) { return NextSceneOf(of); });
+  Call(now_s, seats);
   changed_ = true;
   return turns_.Of(person).seat;
 }
@@ -430,9 +351,7 @@ std::string ExamRoom::SeatToBegin(std::int64_t person, std::int64_t now_s,
 void ExamRoom::CallNext(std::int64_t now_s, const ExamTurns::Seats& seats) {
   if (!newest_.is_open() || now_s < retry_s_) return;
   try {
-    const bool changed =
-        turns_.Call(now_s, seats, [this](std::int64_t of) { return NextSceneOf(of); });
-    changed_ = changed_ || changed;
+    changed_ = Call(now_s, seats) || changed_;
   } catch (const CourseHeld&) {  // it is tried again
   } catch (const Error& error) {
     Stumble(error, now_s);
@@ -446,7 +365,7 @@ bool ExamRoom::IsKept(const std::string& seat) const {
 std::string ExamRoom::LastSeatOf(std::int64_t person, const std::string& scene) const {
   std::string seat;
   std::int64_t begun_s = 0;
-  for (const Trial& trial : newest_.trials) {
+  for (const Trial& trial : done_) {
     if (trial.person != person || trial.begun_s < begun_s ||
         SceneOf(static_cast<std::size_t>(trial.task)) != scene) {
       continue;
@@ -476,29 +395,22 @@ void ExamRoom::Begin(const Beginning& of, std::int64_t now_s, std::int64_t now_n
   const int n =
       trials_.Begin(of.holder, of.person, of.exercise, of.station, of.scene, now_ns, task.time_s);
   try {
-    file_.Use([&](SQLite::Database& database) {
-      SQLite::Transaction whole(database);
-      SQLite::Statement row(database,
-                            "INSERT INTO exam_trials(exam, person, task, exercise, n, station, "
-                            "scene, scene_hash) VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
-      Bind(row, newest_.number, of.person, static_cast<int>(at), of.exercise, n, of.station,
-           of.scene, Hex16(of.scene_hash));
-      row.exec();
-      Roll::Entry entry;
-      entry.person = of.person;
-      entry.name = NameOf(of.person);
-      entry.task = static_cast<int>(at) + 1;
-      entry.exercise = of.exercise;
-      entry.n = n;
-      entry.station = of.station;
-      entry.scene = of.scene;
-      entry.scene_hash = Hex16(of.scene_hash);
-      entry.begun_s = now_s;
-      const ExamTurns::Turn& turn = turns_.Of(of.person);
-      entry.waited_s = turn.waited_s + turn.WaitsFor_s(now_s);
-      turns_.Begin(database, of.person);
+    Roll::Entry entry;
+    entry.person = of.person;
+    entry.name = NameOf(of.person);
+    entry.task = static_cast<int>(at) + 1;
+    entry.exercise = of.exercise;
+    entry.n = n;
+    entry.station = of.station;
+    entry.scene = of.scene;
+    entry.scene_hash = Hex16(of.scene_hash);
+    entry.begun_s = now_s;
+    const ExamTurns::Turn& turn = turns_.Of(of.person);
+    entry.waited_s = turn.waited_s + turn.WaitsFor_s(now_s);
+    file_.Whole([&] {
+      table_.AddTrial(newest_.number, entry);
+      turns_.Begin(of.person);
       seals_.Begin(entry, now_s);
-      whole.commit();
     });
     turns_.Begun(of.person);
   } catch (const Error&) {
@@ -523,8 +435,8 @@ void ExamRoom::ClockWasSet(std::int64_t by_s) {
   changed_ = true;
 }
 
-void ExamRoom::Heard(const TrialRoom::News& news) {
-  if (newest_.people.contains(news.person)) Read();
+void ExamRoom::ReadOf(std::int64_t person) {
+  if (newest_.people.contains(person)) Read();
 }
 
 // --- sealing and scoring ---
@@ -585,9 +497,9 @@ void ExamRoom::SealNext(std::int64_t now_s) {
   if (now_s < retry_s_ || !seals_.is_idle()) return;
   for (const Roll::Entry& entry : seals_.roll().trials) {
     if (entry.is_settled()) continue;
-    const auto trial = std::ranges::find(newest_.trials, ExamSeals::KeyOf(entry), &Trial::key);
-    const bool is_known = trial != newest_.trials.end();
-    if (is_known ? trial->ended_s == 0 : trials_.Has(entry.person, entry.exercise, entry.n)) {
+    const auto trial = std::ranges::find(done_, KeyOf(entry), &Trial::key);
+    const bool is_known = trial != done_.end();
+    if (is_known ? trial->ended_s == 0 : trials_.now().Has(KeyOf(entry))) {
       continue;
     }
     return seals_.BeginToSeal(SealOf(entry, is_known ? &*trial : nullptr, now_s));
@@ -595,35 +507,23 @@ void ExamRoom::SealNext(std::int64_t now_s) {
 }
 
 void ExamRoom::TakeSeal(const ExamSeals::Done& done) {
-  file_.Use([&](SQLite::Database& database) {
-    const auto& [person, exercise, n] = done.key;
-    SQLite::Statement row(database,
-                          "UPDATE trials SET seal=? WHERE person=? AND exercise=? AND n=?");
-    Bind(row, done.text, person, exercise, n);
-    row.exec();
-    if (!done.is_rest) return;
-    SQLite::Statement cut(database,
-                          "UPDATE trials SET whole=0, reason=? WHERE person=? AND exercise=? AND "
-                          "n=?");
-    Bind(cut, std::string(ExamSeals::kKilled), person, exercise, n);
-    cut.exec();
-  });
+  trial_table_.Seal(done.key, done.text, done.is_rest ? ExamSeals::kKilled : "");
   trouble_.clear();
   Read();
 }
 
 bool ExamRoom::Waits(const Trial& trial) const {
   return !trial.scored && !trial.sha256.empty() &&
-         (!tried_.contains(trial.key()) || trials_.Has(trial.person, trial.exercise, trial.n));
+         (!tried_.contains(trial.key()) || trials_.now().Has(trial.key()));
 }
 
 void ExamRoom::ScoreAll() {
-  // Score's news reloads newest_.trials.
+  // Score's news reloads done_.
   std::vector<std::pair<TrialRoom::News, double>> all;
-  for (const Trial& trial : newest_.trials) {
+  for (const Trial& trial : done_) {
     if (!Waits(trial) || !tried_.insert(trial.key()).second) continue;
     const ExamTask& task = newest_.exam.tasks.at(static_cast<std::size_t>(trial.task));
-    const Exercise* const exercise = trials_.Find(trial.exercise);
+    const Exercise* const exercise = trials_.pages().Find(trial.exercise);
     if (exercise == nullptr || !SameFiles(HashedTask(*exercise), task)) {
       trouble_ = fmt::format(
           "'{}' is not scored, because its file, that of its criteria or its expert's was changed "
@@ -632,12 +532,7 @@ void ExamRoom::ScoreAll() {
       changed_ = true;
       continue;
     }
-    TrialRoom::News kept;
-    kept.person = trial.person;
-    kept.exercise = trial.exercise;
-    kept.n = trial.n;
-    kept.reason = trial.reason;
-    kept.whole = trial.whole;
+    TrialRoom::News kept = NewsOf(trial);
     kept.submitted = true;
     all.emplace_back(std::move(kept), static_cast<double>(trial.ended_s - trial.begun_s));
   }
@@ -654,15 +549,11 @@ bool ExamRoom::Poll(std::int64_t now_s) {
     if (newest_.is_open()) {
       if (owed_s_ != 0) {
         SetEnd(newest_.ends_s + owed_s_);
-        Set("alive_s", now_s);
+        Set(ExamTable::Time::kAlive, now_s);
         owed_s_ = 0;
       }
       if (now_s >= newest_.alive_s + kBeat_s && now_s >= retry_s_) {
-        file_.Use([&](SQLite::Database& database) {
-          SQLite::Statement row(database, "UPDATE exams SET alive_s=? WHERE id=?");
-          Bind(row, now_s, newest_.number);
-          row.exec();
-        });
+        table_.Set(newest_.number, ExamTable::Time::kAlive, now_s);
         newest_.alive_s = now_s;
       }
       std::set<std::int64_t> ending;  // first, because an end may read the exam anew
@@ -728,7 +619,7 @@ std::string ExamRoom::ClassJson(std::int64_t now_s) const {
   Json json = {{"down_s", newest_.down_s}, {"set_by_s", set_by_s_}, {"people", Json::array()}};
   for (const std::int64_t person : newest_.people) {
     Json trials = Json::array();
-    for (const Trial& trial : newest_.trials) {
+    for (const Trial& trial : done_) {
       if (trial.person != person) continue;
       trials.push_back({{"task", trial.task},
                         {"counts", trial.counts},
@@ -755,7 +646,7 @@ std::string ExamRoom::OwnJson(std::int64_t person, std::int64_t now_s) const {
   Json json;
   json["cut"] = "";
   std::pair<std::size_t, int> newest;  // the task's place and the trial's number
-  for (const Trial& trial : newest_.trials) {
+  for (const Trial& trial : done_) {
     if (trial.person != person || !trial.counts) continue;
     const std::pair at(PlaceOf(person, static_cast<std::size_t>(trial.task)), trial.n);
     if (at < newest) continue;
@@ -775,7 +666,7 @@ std::string ExamRoom::OwnJson(std::int64_t person, std::int64_t now_s) const {
   json["trial"] = DoneOf(person, at) + (RunningOf(person) ? 0 : 1);
   json["trials"] = task.trials;
   json["time_s"] = task.time_s;
-  json["exercise"] = Json::parse(trials_.DescribeJson(task.exercise));
+  json["exercise"] = Json::parse(trials_.pages().DescribeJson(task.exercise));
   return Text(json);
 }
 

@@ -8,12 +8,12 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "client/course/course_file.h"
 #include "client/course/exam.h"
 #include "client/course/exam_seals.h"
+#include "client/course/exam_table.h"
 #include "client/course/exam_turns.h"
 #include "client/course/roster.h"
 #include "client/course/trial.h"
@@ -55,30 +55,26 @@ class ExamRoom {
   /// Returns whether the person sits the exam, or their trials are not yet on the roll or
   /// not yet scored.
   bool Needs(std::int64_t person) const;
-  /// Reads the newest exam again, e.g. after a person was deleted.  Throws Error.
-  void Read();
-  /// Returns the index of the person's next task, from 0.  Throws Error, worded for the person, if
-  /// it has another exercise or the exam's time is over.
-  std::size_t TaskToBegin(std::int64_t person, const std::string& exercise,
-                          std::int64_t now_s) const;
+  /// Reads the exam again if the person sits it: a trial of theirs has ended or was scored, or they
+  /// were deleted.  Throws Error.
+  void ReadOf(std::int64_t person);
   /// Returns the seat in which the person may begin the next task; empty: none is free, and the
-  /// person waits in the queue from now on.  Throws Error.
-  std::string SeatToBegin(std::int64_t person, std::int64_t now_s, const ExamTurns::Seats& seats);
+  /// person waits in the queue from now on.  Throws Error, worded for the person, if that task has
+  /// another exercise or the exam's time is over.
+  /// @param seats  of those that it gives, the one in which a person last worked comes first.
+  std::string SeatToBegin(std::int64_t person, const std::string& exercise, std::int64_t now_s,
+                          const ExamTurns::Seats& seats);
   /// Gives free seats to who waits for them; to be called some times a second.
   void CallNext(std::int64_t now_s, const ExamTurns::Seats& seats);
   /// Returns whether a seat is kept for a candidate, who is to begin there.
   bool IsKept(const std::string& seat) const;
-  /// Returns where the person last worked in that scene; empty: nowhere.
-  std::string LastSeatOf(std::int64_t person, const std::string& scene) const;
-  /// Begins a trial of the next task.  Throws Error as TaskToBegin does.
+  /// Begins a trial of the next task.  Throws Error as SeatToBegin does.
   void Begin(const Beginning& beginning, std::int64_t now_s, std::int64_t now_ns);
   /// Ends all running trials of the exam, so that no trial time passes without a server.
   void EndTrials(const std::string& reason);
   /// Moves the exam's times with the computer's clock, which was set by so much [s]: nobody's time
   /// changes, and the teacher is told.
   void ClockWasSet(std::int64_t by_s);
-  /// Takes note that a trial has ended or was scored.
-  void Heard(const TrialRoom::News& news);
   /// Marks, seals and scores; to be called some 100 times a second.  Returns whether pages
   /// must be updated.
   bool Poll(std::int64_t now_s);
@@ -86,37 +82,23 @@ class ExamRoom {
   std::string StateJson(std::int64_t person, bool teaches, std::int64_t now_s) const;
 
  private:
-  struct Trial {
-    std::int64_t person = 0;
-    int task = 0;  // from 0
-    std::string exercise;
-    int n = 0;
-    std::string station, scene, scene_hash;
-    bool counts = true;
-    std::int64_t begun_s = 0, ended_s = 0;  // 0: running
-    bool whole = true;
-    std::string reason;
+  /// A trial with what the roll says of it.
+  struct Trial : ExamTrialRow {
     bool sealed = false;
-    std::string lost;     // why it cannot be sealed
-    bool scored = false;  // also true of a trial without points, in which nothing was touched
-    std::optional<double> points;
+    std::string lost;    // why it cannot be sealed
     std::string sha256;  // of a sealed trial
-    ExamSeals::Key key() const { return {person, exercise, n}; }
-  };
-  /// The newest exam in the course's file; number 0: there is none.
-  struct Newest {
-    std::int64_t number = 0;
-    Exam exam;
-    std::int64_t opened_s = 0, ends_s = 0, closed_s = 0, alive_s = 0, down_s = 0;
-    std::set<std::int64_t> people;
-    std::vector<Trial> trials;
-    bool is_open() const { return number != 0 && closed_s == 0; }
   };
 
-  void ReadTrials();
+  void Read();
+  /// Returns the index of the person's next task, from 0.  Throws Error as SeatToBegin does.
+  std::size_t TaskToBegin(std::int64_t person, const std::string& exercise,
+                          std::int64_t now_s) const;
+  /// Returns where the person last worked in that scene; empty: nowhere.
+  std::string LastSeatOf(std::int64_t person, const std::string& scene) const;
+  bool Call(std::int64_t now_s, const ExamTurns::Seats& seats);
   /// Continues the exam that another process has left, as its roll says.
   void TakeUp(std::int64_t now_s);
-  void Set(const char* column, std::int64_t value);
+  void Set(ExamTable::Time time, std::int64_t value_s);
   void SetEnd(std::int64_t ends_s);
   void Open(const std::string& name, std::int64_t now_s);
   void Store(const Exam& exam, const std::set<std::int64_t>& people, std::int64_t now_s);
@@ -168,11 +150,14 @@ class ExamRoom {
   CourseFile& file_;
   Roster& roster_;
   TrialRoom& trials_;
+  ExamTable table_;
+  TrialTable trial_table_;
   ExamSeals seals_;
   ExamTurns turns_;
-  Newest newest_;
+  ExamRow newest_;
+  std::vector<Trial> done_;                          // trials of the newest exam, and running ones
   std::vector<std::pair<Exam, std::string>> exams_;  // with the error where a file cannot be read
-  std::set<ExamSeals::Key> tried_;                   // trials whose scoring was tried
+  std::set<TrialKey> tried_;                         // trials whose scoring was tried
   std::string trouble_;                              // shown to the teacher
   std::int64_t retry_s_ = 0;
   std::int64_t set_by_s_ = 0;    // by how much the computer's clock was set; shown to the teacher

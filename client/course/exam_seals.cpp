@@ -156,7 +156,9 @@ void ExamSeals::Begin(const Roll::Entry& entry, std::int64_t now_s) {
   growing->file = StemOf(KeyOf(entry)) + ".mcap";
   Mark& mark = growing->mark;
   mark.exam_number = roll_.exam_number;
-  std::tie(mark.person, mark.exercise, mark.n) = KeyOf(entry);
+  mark.person = entry.person;
+  mark.exercise = entry.exercise;
+  mark.n = entry.n;
   mark.sha256 = Sha256("");
   mark.made_s = now_s;
   WriteMark(mark);
@@ -226,7 +228,7 @@ void ExamSeals::BeginToSeal(const Seal& seal) {
 }
 
 ExamSeals::Done ExamSeals::Sealed(const Seal& seal) const {
-  const Key key(seal.person, seal.exercise, seal.n);
+  const Key key{seal.person, seal.exercise, seal.n};
   const std::string text = SealText(seal, key_);
   WriteKept("seal", StemOf(key) + kSealEnding, text);
   return {key, text};
@@ -245,23 +247,23 @@ ExamSeals::Done ExamSeals::SealWhole(Seal seal, Growing& growing) const {
 }
 
 std::optional<ExamSeals::Done> ExamSeals::FormerSealOf(const Seal& seal) const try {
-  const Key key(seal.person, seal.exercise, seal.n);
+  const Key key{seal.person, seal.exercise, seal.n};
   const std::string file = StemOf(key) + kSealEnding;
   const std::string text = ReadFileBelow(folder_, file, kLargestSeal);
   const Seal former = OpenSeal(text, key_, file);
   const bool is_it = former.exam_number == seal.exam_number && former.begun_s == seal.begun_s &&
                      former.previous == seal.previous &&
-                     Key(former.person, former.exercise, former.n) == key;
+                     Key{former.person, former.exercise, former.n} == key;
   return is_it ? std::optional(Done{key, text}) : std::nullopt;
 } catch (const Error&) {  // as usual: there is none
   return std::nullopt;
 }
 
 Mark ExamSeals::MarkOf(const Seal& seal) const {
-  const Key key(seal.person, seal.exercise, seal.n);
+  const Key key{seal.person, seal.exercise, seal.n};
   const std::string file = StemOf(key) + kMarkEnding;
   const Mark mark = OpenMark(ReadFileBelow(folder_, file, kLargestSeal), key_, file);
-  if (mark.exam_number != seal.exam_number || Key(mark.person, mark.exercise, mark.n) != key) {
+  if (mark.exam_number != seal.exam_number || Key{mark.person, mark.exercise, mark.n} != key) {
     throw Error(file + ": is another trial's");
   }
   return mark;
@@ -282,7 +284,7 @@ bool ExamSeals::CutToMark(const std::string& file, const Mark& mark) const {
 ExamSeals::Done ExamSeals::SealRest(Seal seal) const {
   // Killed after it was sealed, and before that was entered.
   if (auto former = FormerSealOf(seal)) return *former;
-  const Key key(seal.person, seal.exercise, seal.n);
+  const Key key{seal.person, seal.exercise, seal.n};
   seal.whole = false;
   seal.reason = kKilled;
   try {

@@ -12,12 +12,16 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <tuple>
 #include <vector>
 
 #include "client/course/seal.h"
+#include "client/course/trial_table.h"
 
 namespace palpate {
+
+inline TrialKey KeyOf(const Roll::Entry& entry) {
+  return {entry.person, entry.exercise, entry.n};
+}
 
 /// Seals the trials of an exam and keeps its roll, which alone says what may still be sealed: what
 /// a former process left behind is sealed as far as a mark of that process covers it, and nothing
@@ -26,9 +30,7 @@ namespace palpate {
 /// up, and seals in another.
 class ExamSeals {
  public:
-  /// Person, exercise and number of a trial.
-  using Key = std::tuple<std::int64_t, std::string, int>;
-  static Key KeyOf(const Roll::Entry& entry) { return {entry.person, entry.exercise, entry.n}; }
+  using Key = TrialKey;
   /// What became of a trial that was to be sealed.
   struct Done {
     Key key;

@@ -4,20 +4,7 @@
 #include <ranges>
 #include <utility>
 
-#include <SQLiteCpp/SQLiteCpp.h>
-#include <nlohmann/json.hpp>
-
 namespace palpate {
-namespace {
-
-using Json = nlohmann::json;
-
-constexpr const char* kTable = R"(CREATE TABLE IF NOT EXISTS exam_turns(
-  exam INTEGER NOT NULL, person INTEGER NOT NULL, tasks TEXT NOT NULL,
-  place INTEGER NOT NULL DEFAULT 0, asked_s INTEGER NOT NULL DEFAULT 0,
-  waited_s INTEGER NOT NULL DEFAULT 0, PRIMARY KEY(exam, person)))";
-
-}  // namespace
 
 std::vector<int> ExamTurns::OrderOf(std::size_t n, bool rotates,
                                     const std::vector<std::string>& scenes) {
@@ -35,19 +22,6 @@ std::vector<int> ExamTurns::OrderOf(std::size_t n, bool rotates,
   return order;
 }
 
-ExamTurns::ExamTurns(CourseFile& file) : file_(file) {
-  file_.Use([](SQLite::Database& database) { database.exec(kTable); });
-}
-
-void ExamTurns::Store(SQLite::Database& database, std::int64_t exam, std::int64_t person,
-                      const std::vector<int>& tasks) {
-  SQLite::Statement row(database, "INSERT INTO exam_turns(exam, person, tasks) VALUES(?, ?, ?)");
-  row.bind(1, exam);
-  row.bind(2, person);
-  row.bind(3, Json(tasks).dump());
-  row.exec();
-}
-
 void ExamTurns::Read(std::int64_t exam, const std::set<std::int64_t>& people, int tasks) {
   if (exam == exam_) return;
   std::map<std::int64_t, Turn> turns;
@@ -56,24 +30,17 @@ void ExamTurns::Read(std::int64_t exam, const std::set<std::int64_t>& people, in
     turns[person].tasks =
         OrderOf(0, false, std::vector<std::string>(static_cast<std::size_t>(tasks)));
   }
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement rows(
-        database, "SELECT person, tasks, place, asked_s, waited_s FROM exam_turns WHERE exam=?");
-    rows.bind(1, exam);
-    while (rows.executeStep()) {
-      const auto found = turns.find(rows.getColumn(0).getInt64());
-      if (found == turns.end()) continue;
-      Turn& turn = found->second;
-      // The course's file may have been changed by hand: an order is one of all tasks, or none.
-      const std::vector<int> order =
-          Json::parse(rows.getColumn(1).getString()).get<std::vector<int>>();
-      if (std::ranges::is_permutation(order, turn.tasks)) turn.tasks = order;
-      turn.place = rows.getColumn(2).getInt64();
-      turn.asked_s = rows.getColumn(3).getInt64();
-      turn.waited_s = rows.getColumn(4).getInt64();
-      last_place = std::max(last_place, turn.place);
-    }
-  });
+  for (const TurnRow& row : table_.TurnsOf(exam)) {
+    const auto found = turns.find(row.person);
+    if (found == turns.end()) continue;
+    Turn& turn = found->second;
+    // The course's file may have been changed by hand: an order is one of all tasks, or none.
+    if (std::ranges::is_permutation(row.tasks, turn.tasks)) turn.tasks = row.tasks;
+    turn.place = row.place;
+    turn.asked_s = row.asked_s;
+    turn.waited_s = row.waited_s;
+    last_place = std::max(last_place, turn.place);
+  }
   exam_ = exam;
   turns_ = std::move(turns);
   last_place_ = last_place;
@@ -110,20 +77,7 @@ bool ExamTurns::IsKept(const std::string& seat) const {
 }
 
 void ExamTurns::Keep(std::int64_t person, const Turn& turn) {
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement row(
-        database,
-        "INSERT INTO exam_turns(exam, person, tasks, place, asked_s, waited_s) VALUES(?, ?, ?, ?, "
-        "?, ?) ON CONFLICT(exam, person) DO UPDATE SET place=excluded.place, "
-        "asked_s=excluded.asked_s, waited_s=excluded.waited_s");
-    row.bind(1, exam_);
-    row.bind(2, person);
-    row.bind(3, Json(turn.tasks).dump());
-    row.bind(4, turn.place);
-    row.bind(5, turn.asked_s);
-    row.bind(6, turn.waited_s);
-    row.exec();
-  });
+  table_.Keep(exam_, {person, turn.tasks, turn.place, turn.asked_s, turn.waited_s});
   turns_[person] = turn;
 }
 
@@ -175,20 +129,6 @@ bool ExamTurns::Call(std::int64_t now_s, const Seats& seats,
     }
   }
   return changed;
-}
-
-void ExamTurns::Begin(SQLite::Database& database, std::int64_t person) const {
-  SQLite::Statement row(
-      database, "UPDATE exam_turns SET place=0, asked_s=0, waited_s=0 WHERE exam=? AND person=?");
-  row.bind(1, exam_);
-  row.bind(2, person);
-  row.exec();
-}
-
-void ExamTurns::Begun(std::int64_t person) {
-  Turn begun;
-  begun.tasks = Of(person).tasks;
-  turns_[person] = begun;
 }
 
 void ExamTurns::Move(std::int64_t by_s) {

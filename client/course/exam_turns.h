@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/course/course_file.h"
+#include "client/course/exam_table.h"
 
 namespace palpate {
 
@@ -51,12 +51,8 @@ class ExamTurns {
   static std::vector<int> OrderOf(std::size_t n, bool rotates,
                                   const std::vector<std::string>& scenes);
 
-  /// Creates the table.  Throws Error.
-  explicit ExamTurns(CourseFile& file);
+  explicit ExamTurns(ExamTable& table) : table_(table) {}
 
-  /// Stores the order of a candidate's tasks in an exam that is being opened.
-  static void Store(SQLite::Database& database, std::int64_t exam, std::int64_t person,
-                    const std::vector<int>& tasks);
   /// Reads the turns of an exam, unless they are those that it has.
   /// @param tasks  the number of tasks, for an exam that was opened without orders.
   void Read(std::int64_t exam, const std::set<std::int64_t>& people, int tasks);
@@ -73,9 +69,9 @@ class ExamTurns {
   /// those who do not begin or are away.  Returns whether anything has changed.  Throws Error.
   bool Call(std::int64_t now_s, const Seats& seats,
             const std::function<std::string(std::int64_t person)>& scene_of);
-  /// A candidate's trial begins: first in the file, within the caller's transaction, and then here.
-  void Begin(SQLite::Database& database, std::int64_t person) const;
-  void Begun(std::int64_t person);
+  /// A candidate's trial begins: first in the file, so that the caller may undo it, and then here.
+  void Begin(std::int64_t person) { table_.Keep(exam_, {person, Of(person).tasks}); }
+  void Begun(std::int64_t person) { turns_[person] = Turn{Of(person).tasks, 0, 0, 0, "", 0, 0}; }
   /// Moves all times, with the computer's clock or because they do not count.  Throws Error.
   void Move(std::int64_t by_s);
 
@@ -84,7 +80,7 @@ class ExamTurns {
   /// Returns those who wait, in their order.
   std::vector<std::int64_t> Queue() const;
 
-  CourseFile& file_;
+  ExamTable& table_;
   std::int64_t exam_ = 0;
   std::map<std::int64_t, Turn> turns_;  // by person
   std::int64_t last_place_ = 0;

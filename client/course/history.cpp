@@ -7,7 +7,6 @@
 #include <numeric>
 #include <set>
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -114,35 +113,6 @@ const char* YesOf(bool is) {
 }
 
 }  // namespace
-
-std::vector<TrialRow> ReadTrials(CourseFile& file, std::int64_t person) {
-  std::vector<TrialRow> rows;
-  file.Use([&](SQLite::Database& database) {
-    if (!database.tableExists("trials")) return;  // no trial has been done yet
-    SQLite::Statement read(
-        database,
-        "SELECT person, exercise, n, begun_s, ended_s, reason, whole, points, passed, marks, "
-        "submitted_s FROM trials WHERE ended_s IS NOT NULL AND (?1 = 0 OR person = ?1) "
-        "ORDER BY person, exercise, n");
-    read.bind(1, person);
-    while (read.executeStep()) {
-      TrialRow row;
-      row.person = read.getColumn(0).getInt64();
-      row.exercise = read.getColumn(1).getString();
-      row.n = read.getColumn(2).getInt();
-      row.begun_s = read.getColumn(3).getInt64();
-      row.ended_s = read.getColumn(4).getInt64();
-      row.reason = read.getColumn(5).getString();
-      row.whole = read.getColumn(6).getInt() == 1;
-      if (!read.isColumnNull(7)) row.points = read.getColumn(7).getDouble();
-      row.passed = read.getColumn(8).getInt() == 1;
-      row.marks = read.getColumn(9).getString();
-      if (!read.isColumnNull(10)) row.submitted_s = read.getColumn(10).getInt64();
-      rows.push_back(std::move(row));
-    }
-  });
-  return rows;
-}
 
 std::vector<TrialMark> MarksOf(const TrialRow& row) {
   std::vector<TrialMark> marks;

@@ -9,34 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "client/course/course_file.h"
 #include "client/course/exercise.h"
-#include "client/course/roster.h"
+#include "client/course/roster_table.h"
+#include "client/course/trial_table.h"
 
 namespace palpate {
 
-/// A trial that has ended, as stored in the table `trials`.
-struct TrialRow {
-  std::int64_t person = 0;
-  std::string exercise;
-  int n = 0;
-  std::int64_t begun_s = 0, ended_s = 0;  ///< since 1970
-  std::string reason;                     ///< why it ended
-  bool whole = false;
-  std::optional<double> points;  ///< 0 to 100
-  bool passed = false;
-  std::string marks;  ///< JSON, as palpate-replay score wrote it
-  std::optional<std::int64_t> submitted_s;
-
-  /// Returns whether it counts for grade, spread and losses: it is complete and has points.
-  bool counts() const { return whole && points.has_value(); }
-};
 /// Rows in the order of the table's key: of one person or of all, of one or more exercises.
 using TrialRows = std::span<const TrialRow>;
 
-/// Returns the ended trials, sorted by person, exercise and number.  @param person  0:
-/// everybody.  Throws Error.
-std::vector<TrialRow> ReadTrials(CourseFile& file, std::int64_t person = 0);
 /// Calls `action` with each group of adjacent rows that have the same person and exercise.
 template <class Action>
 void ForEachSeries(TrialRows rows, const Action& action) {
@@ -117,7 +98,7 @@ class History {
   /// Returns the address of a trial's score page on the web page; empty: it has none.
   using PageOf = std::function<std::string(const TrialRow& row)>;
 
-  /// @param rows  as ReadTrials returns them, of everybody: the class's spread needs all.
+  /// @param rows  as TrialTable::Ended returns them, of everybody: the class's spread needs all.
   History(std::vector<Exercise> exercises, std::vector<Person> people, std::vector<TrialRow> rows);
 
   /// Returns the teacher's report: for each exercise the spread and the costliest criteria; for

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <minizip/zip.h>
@@ -25,9 +24,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kDeletedTable =
-    "CREATE TABLE IF NOT EXISTS deleted(person INTEGER PRIMARY KEY)";
 
 constexpr const char* kReadMe = R"(What this course has of you.
 
@@ -105,17 +101,7 @@ void AddFile(Zip& zip, const std::string& name, const std::string& folder, const
   zip.End();
 }
 
-/// Returns every table with a column `person`, so that each part of a course may have its own.
-std::vector<std::string> TablesOfPeople(SQLite::Database& database) {
-  std::vector<std::string> tables;
-  SQLite::Statement names(database,
-                          "SELECT m.name FROM sqlite_master m JOIN pragma_table_info(m.name) c "
-                          "WHERE m.type = 'table' AND c.name = 'person' AND m.name <> 'deleted'");
-  while (names.executeStep()) tables.push_back(names.getColumn(0).getString());
-  return tables;
-}
-
-void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t person) {
+void RemoveFiles(RosterTable& table, const std::string& folder, std::int64_t person) {
   std::error_code error;
   fs::remove_all(TrialsOf(folder, person), error);
   if (error) {
@@ -124,13 +110,7 @@ void RemoveFiles(CourseFile& file, const std::string& folder, std::int64_t perso
                     "start that has the rights; or remove them by hand",
                     TrialsOf(folder, person).string(), error.message()));
   }
-  file.Use([&](SQLite::Database& database) {
-    SQLite::Statement done(database, "DELETE FROM deleted WHERE person = ?");
-    done.bind(1, person);
-    done.exec();
-    // Earlier pages of the write-ahead log still contain the name.
-    database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
-  });
+  table.Forget(person);
 }
 
 /// Throws Error if a ZIP of that size would take space that recordings need.
@@ -183,35 +163,16 @@ int GiveData(const std::string& folder, const Person& person, const std::string&
 }
 
 void DeletePerson(CourseFile& file, const std::string& folder, std::int64_t person) {
-  file.Use([&](SQLite::Database& database) {
-    database.exec("PRAGMA secure_delete=ON");
-    database.exec(kDeletedTable);
-    SQLite::Transaction transaction(database);
-    const auto run = [&](const std::string& sql) {
-      SQLite::Statement statement(database, sql);
-      statement.bind(1, person);
-      statement.exec();
-    };
-    for (const std::string& table : TablesOfPeople(database)) {
-      run("DELETE FROM \"" + table + "\" WHERE person = ?");
-    }
-    run("DELETE FROM person WHERE id = ?");
-    run("INSERT OR IGNORE INTO deleted(person) VALUES(?)");
-    transaction.commit();
-  });
-  RemoveFiles(file, folder, person);
+  RosterTable table(file);
+  table.Delete(person);
+  RemoveFiles(table, folder, person);
 }
 
 void FinishDeletions(CourseFile& file, const std::string& folder) {
-  std::vector<std::int64_t> left;
-  file.Use([&](SQLite::Database& database) {
-    database.exec(kDeletedTable);
-    SQLite::Statement rows(database, "SELECT person FROM deleted");
-    while (rows.executeStep()) left.push_back(rows.getColumn(0).getInt64());
-  });
-  for (const std::int64_t person : left) {
+  RosterTable table(file);
+  for (const std::int64_t person : table.Deleted()) {
     try {
-      RemoveFiles(file, folder, person);
+      RemoveFiles(table, folder, person);
     } catch (const Error& error) {
       spdlog::error("{}", error.what());  // the course goes on
     }

@@ -1,12 +1,9 @@
 #include "client/course/roster.h"
 
 #include <algorithm>
-#include <cstring>
 #include <ctime>
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
-#include <openssl/crypto.h>
 
 #include "common/error.h"
 #include "common/text/lower_case.h"
@@ -16,49 +13,14 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kTable = R"(CREATE TABLE IF NOT EXISTS person(
-  id INTEGER PRIMARY KEY AUTOINCREMENT,
-  name TEXT NOT NULL,
-  station TEXT NOT NULL COLLATE NOCASE,
-  role TEXT NOT NULL,
-  token_sha256 BLOB NOT NULL UNIQUE,
-  made_s INTEGER NOT NULL,
-  withdrawn_s INTEGER NOT NULL DEFAULT 0);
-CREATE UNIQUE INDEX IF NOT EXISTS person_station ON person(station) WHERE withdrawn_s = 0)";
-
-Person PersonOf(SQLite::Statement& row) {
-  Person person;
-  person.id = row.getColumn(0).getInt64();
-  person.name = row.getColumn(1).getString();
-  person.role = ParseRole(row.getColumn(2).getString()).value_or(Access::kNone);
-  const SQLite::Column hash = row.getColumn(3);
-  if (hash.getBytes() == static_cast<int>(person.hash.size())) {
-    std::memcpy(person.hash.data(), hash.getBlob(), person.hash.size());
-  }
-  person.made_s = row.getColumn(4).getInt64();
-  person.withdrawn_s = row.getColumn(5).getInt64();
-  person.station = row.getColumn(6).getString();
-  person.look = LookOf(person.name);
-  return person;
-}
+constexpr std::size_t kMost = 2000;  // people who are not withdrawn
 
 }  // namespace
 
-Roster::Roster(CourseFile& file) : file_(file) {
-  file_.Use([](SQLite::Database& database) { database.exec(kTable); });
-  Read();
-}
+Roster::Roster(CourseFile& file) : file_(file), table_(file), people_(table_.All()) {}
 
 void Roster::Read() {
-  std::vector<Person> people;
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement rows(
-        database,
-        "SELECT id, name, role, token_sha256, made_s, withdrawn_s, station FROM person "
-        "ORDER BY id");
-    while (rows.executeStep()) people.push_back(PersonOf(rows));
-  });
-  people_ = std::move(people);
+  people_ = table_.All();
 }
 
 void Roster::Name(Person& one, std::string_view name) const {
@@ -111,35 +73,19 @@ std::vector<Roster::Made> Roster::Make(const std::vector<std::string>& names, Ac
   std::vector<Made> made;
   const std::vector<Person> before = people_;
   try {
-    file_.Use([&](SQLite::Database& database) {
-      SQLite::Transaction transaction(database);
-      // The number is known once the row is there.
-      SQLite::Statement insert(database,
-                               "INSERT INTO person(name, station, role, token_sha256, made_s) "
-                               "VALUES(?, '', ?, ?, ?)");
-      SQLite::Statement update(database, "UPDATE person SET station = ? WHERE id = ?");
+    file_.Whole([&] {
       for (const std::string& name : names) {
         Made one{{}, RandomToken()};
         Name(one.person, name);
         one.person.role = role;
         one.person.hash = HashOfToken(one.token);
         one.person.made_s = std::time(nullptr);
-        insert.reset();
-        insert.bind(1, one.person.name);
-        insert.bind(2, RoleName(role));
-        insert.bind(3, one.person.hash.data(), static_cast<int>(one.person.hash.size()));
-        insert.bind(4, one.person.made_s);
-        insert.exec();
-        one.person.id = database.getLastInsertRowid();
+        one.person.id = table_.Add(one.person);
         one.person.station = StationFor(one.person, is_taken);
-        update.reset();
-        update.bind(1, one.person.station);
-        update.bind(2, one.person.id);
-        update.exec();
+        table_.Rename(one.person.id, one.person.name, one.person.station);
         people_.push_back(one.person);  // so that the next name is checked against it too
         made.push_back(std::move(one));
       }
-      transaction.commit();
     });
   } catch (const Error&) {
     people_ = before;
@@ -152,13 +98,7 @@ void Roster::Rename(std::int64_t id, const std::string& name, const IsTaken& is_
   Person one = Known(id);
   Name(one, name);
   one.station = StationFor(one, is_taken);
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement update(database, "UPDATE person SET name = ?, station = ? WHERE id = ?");
-    update.bind(1, one.name);
-    update.bind(2, one.station);
-    update.bind(3, id);
-    update.exec();
-  });
+  table_.Rename(id, one.name, one.station);
   Read();
 }
 
@@ -179,24 +119,14 @@ const Person& Roster::MayGo(std::int64_t id) const {
 
 void Roster::Withdraw(std::int64_t id) {
   MayGo(Known(id).id);
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement update(database, "UPDATE person SET withdrawn_s = ? WHERE id = ?");
-    update.bind(1, static_cast<std::int64_t>(std::time(nullptr)));
-    update.bind(2, id);
-    update.exec();
-  });
+  table_.Withdraw(id);
   Read();
 }
 
 Roster::Made Roster::Renew(std::int64_t id) {
   Made made{Known(id), RandomToken()};
   made.person.hash = HashOfToken(made.token);
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement update(database, "UPDATE person SET token_sha256 = ? WHERE id = ?");
-    update.bind(1, made.person.hash.data(), static_cast<int>(made.person.hash.size()));
-    update.bind(2, id);
-    update.exec();
-  });
+  table_.Renew(id, made.person.hash);
   Read();
   return made;
 }
@@ -204,16 +134,6 @@ Roster::Made Roster::Renew(std::int64_t id) {
 const Person* Roster::Find(std::int64_t id) const {
   const auto found = std::ranges::find(people_, id, &Person::id);
   return found == people_.end() || !found->here() ? nullptr : &*found;
-}
-
-const Person* Roster::FindToken(std::string_view token) const {
-  if (!LooksLikeToken(token)) return nullptr;
-  const TokenHash hash = HashOfToken(token);
-  const Person* found = nullptr;
-  for (const Person& person : people_) {  // constant time: all are compared
-    if (CRYPTO_memcmp(person.hash.data(), hash.data(), hash.size()) == 0) found = &person;
-  }
-  return found != nullptr && found->here() ? found : nullptr;
 }
 
 const Person* Roster::FindName(std::string_view name) const {

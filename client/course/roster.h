@@ -8,23 +8,9 @@
 #include <vector>
 
 #include "client/course/access.h"
-#include "client/course/course_file.h"
-#include "client/course/person_name.h"
+#include "client/course/roster_table.h"
 
 namespace palpate {
-
-/// A person of a course.  Only the hash of the token is stored.
-struct Person {
-  std::int64_t id = 0;  ///< from 1, never reused
-  std::string name;     ///< as PersonName returns it
-  Access role = Access::kDrive;
-  TokenHash hash{};
-  std::int64_t made_s = 0;       ///< since 1970
-  std::int64_t withdrawn_s = 0;  ///< 0: is in the course
-  std::string station;           ///< of their tools; ends with the number where a name does not do
-  NameLook look;
-  bool here() const { return withdrawn_s == 0; }
-};
 
 /// The people of a course, stored in its file, with their roles.  A withdrawn person keeps id and
 /// name, under which the trials are filed.  No two people who are not withdrawn may have names that
@@ -33,7 +19,6 @@ struct Person {
 /// Thread contract: one thread.
 class Roster {
  public:
-  static constexpr std::size_t kMost = 2000;  ///< people who are not withdrawn
   /// Returns whether a station's name is somebody else's, who is not in the course.
   using IsTaken = std::function<bool(const std::string& station)>;
 
@@ -61,9 +46,8 @@ class Roster {
   void Read();
   /// All people by id, including the withdrawn.
   const std::vector<Person>& people() const { return people_; }
-  /// Finds a person who is not withdrawn, by id or by token; null: there is none.
+  /// Finds a person who is not withdrawn; null: there is none.
   const Person* Find(std::int64_t id) const;
-  const Person* FindToken(std::string_view token) const;
   /// Finds a person who is not withdrawn by a name that looks like theirs; null: there is none, or
   /// there are several.
   const Person* FindName(std::string_view name) const;
@@ -79,6 +63,7 @@ class Roster {
   const Person& Known(std::int64_t id) const;
 
   CourseFile& file_;
+  RosterTable table_;
   std::vector<Person> people_;
 };
 

@@ -1,20 +1,15 @@
 #include "client/course/trial.h"
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <random>
 #include <utility>
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/course/history.h"
 #include "common/error.h"
-#include "common/files/project_files.h"
 #include "common/files/whole_file.h"
 #include "common/program/machine.h"
 #include "common/text/quoted.h"
@@ -44,167 +39,31 @@ constexpr std::size_t kLargestScore = std::size_t{16} << 20;
 /// In palpate-replay's complaint if the station lost its server and came again.
 constexpr std::string_view kSeveralSessions = "sessions; choose one";
 constexpr std::string_view kNoScore = "no score: ";
-constexpr const char* kTrialsTable =
-    "CREATE TABLE IF NOT EXISTS trials(person INTEGER NOT NULL, exercise TEXT NOT NULL, "
-    "n INTEGER NOT NULL, begun_s INTEGER NOT NULL, ended_s INTEGER, reason TEXT, "
-    "whole INTEGER, points REAL, passed INTEGER, marks TEXT, submitted_s INTEGER, seal TEXT, "
-    "PRIMARY KEY(person, exercise, n))";
-
-std::int64_t Now_s() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-/// Pages warn of a tissue to be spared at least from this distance on.
-constexpr double kLeastWarning_mm = 0.5;
-
-Json JsonOf(const LocalText& text) {
-  Json json = Json::object();
-  for (const auto& [language, words] : text) json[language] = words;
-  return json;
-}
-
-Json JsonOf(const Exercise& exercise) {
-  Json pictures = Json::array();
-  for (const Exercise::Picture& picture : exercise.pictures) {
-    pictures.push_back({{"path", "exercise/" + exercise.name + "/" + picture.file},
-                        {"text", JsonOf(picture.text)}});
-  }
-  Json guide = Json::array();
-  for (const auto& [t, X, label] : exercise.guide) {
-    guide.push_back({t, X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()});
-  }
-  double weights = 0.0;
-  for (const Criterion& criterion : exercise.criteria.criteria) weights += criterion.weight;
-  Json graded = Json::array();
-  for (const Criterion& criterion : exercise.criteria.criteria) {
-    graded.push_back({{"name", JsonOf(criterion.names)},
-                      {"points", 100.0 * criterion.weight / weights},
-                      {"gates", criterion.gates},
-                      {"harms", criterion.harms}});
-  }
-  Json guards = Json::array();
-  for (const Criterion& criterion : exercise.criteria.criteria) {
-    if (criterion.measure != "thickness_mm") continue;
-    guards.push_back(
-        {{"tissue", criterion.tissue}, {"within_mm", std::max(criterion.best, kLeastWarning_mm)}});
-  }
-  const char* const starts[] = {"whole", "bookmark", "as_it_is"};
-  return {{"name", exercise.name},
-          {"title", JsonOf(exercise.title)},
-          {"scene", exercise.scene_name},
-          {"tool", exercise.tool},
-          {"tools", exercise.tools},
-          {"start", starts[static_cast<int>(exercise.start)]},
-          {"instruction", JsonOf(exercise.instruction)},
-          {"goal", JsonOf(exercise.goal)},
-          {"pictures", pictures},
-          {"most_N", exercise.most_N},
-          {"most_s", exercise.most_s},
-          {"trials", exercise.trials},
-          {"pass", exercise.criteria.pass},
-          {"graded", graded},
-          {"sources", exercise.sources},
-          {"guide", guide},
-          {"guards", guards},
-          {"done", Json::array()}};
-}
 
 }  // namespace
 
 TrialRoom::TrialRoom(Options options, CourseFile& file, std::function<void(const News&)> tell)
-    : options_(std::move(options)), lock_(options_.folder), file_(file), tell_(std::move(tell)) {
-  const auto refused = [](const std::string& why) {
-    spdlog::error("{} (this exercise is skipped)", Printable(why));
-  };
-  exercises_ = LoadExercises(options_.folder + "/exercises", refused);
-  for (Exercise& shipped : LoadExercises(PlaceOf(ProjectFile::kExercises), refused)) {
-    if (Find(shipped.name) == nullptr) exercises_.push_back(std::move(shipped));
+    : options_(std::move(options)),
+      lock_(options_.folder),
+      table_(file),
+      people_(file),
+      pages_(options_.folder, table_),
+      tell_(std::move(tell)) {
+  for (const TrialRow& row : table_.EndLeftOver()) {
+    spdlog::warn(
+        "{} was interrupted when the gateway was killed; its recording lacks at most the last "
+        "half second",
+        NameOf(NewsOf(row)));
   }
-  file_.Use([](SQLite::Database& database) { database.exec(kTrialsTable); });
-  MarkCutShort();
-}
-
-void TrialRoom::MarkCutShort() {
-  file_.Use([this](SQLite::Database& database) {
-    SQLite::Statement cut(database, "SELECT person, exercise, n FROM trials WHERE ended_s IS NULL");
-    while (cut.executeStep()) {
-      News news;
-      news.person = cut.getColumn(0).getInt64();
-      news.exercise = cut.getColumn(1).getString();
-      news.n = cut.getColumn(2).getInt();
-      spdlog::warn(
-          "{} was interrupted when the gateway was killed; its recording lacks at most the last "
-          "half second",
-          NameOf(news));
-    }
-    SQLite::Statement mark(database,
-                           "UPDATE trials SET ended_s=?, whole=0, reason='cut short: the gateway "
-                           "was killed' WHERE ended_s IS NULL");
-    mark.bind(1, Now_s());
-    mark.exec();
-  });
-}
-
-const Exercise* TrialRoom::Find(const std::string& exercise) const {
-  const auto found = std::ranges::find(exercises_, exercise, &Exercise::name);
-  return found == exercises_.end() ? nullptr : &*found;
-}
-
-std::string TrialRoom::FolderOf(std::int64_t person, const std::string& exercise) const {
-  return fmt::format("{}/trials/{}/{}", options_.folder, person, exercise);
-}
-
-bool TrialRoom::is_at_one(Holder holder) const {
-  return std::ranges::any_of(
-      trials_, [&](const Running& trial) { return trial.news.holder == holder && trial.records; });
-}
-
-bool TrialRoom::is_in(const std::string& scene) const {
-  return std::ranges::any_of(
-      trials_, [&](const Running& trial) { return trial.records && trial.scene == scene; });
-}
-
-bool TrialRoom::is_cut_in(const std::string& scene) const {
-  return std::ranges::any_of(trials_, [&](const Running& trial) {
-    return trial.records && trial.scene == scene && AsksForCuts(trial.exercise->criteria);
-  });
-}
-
-bool TrialRoom::has_one_of(std::int64_t person) const {
-  return std::ranges::any_of(trials_,
-                             [&](const Running& trial) { return trial.news.person == person; });
-}
-
-bool TrialRoom::Has(std::int64_t person, const std::string& exercise, int n) const {
-  return std::ranges::any_of(trials_, [&](const Running& trial) {
-    return trial.news.person == person && trial.news.exercise == exercise && trial.news.n == n;
-  });
-}
-
-void TrialRoom::CheckMayBegin(std::int64_t person) const {
-  const auto theirs = std::ranges::find_if(trials_, [&](const Running& trial) {
-    return trial.news.person == person && trial.news.holder != 0;
-  });
-  if (theirs == trials_.end()) return;
-  if (theirs->retry_ns != 0) {
-    throw Error(fmt::format(
-        "your last trial is over and its recording is kept, but it cannot be entered: {}. It is "
-        "entered as soon as that is mended, and then you may begin; tell your teacher",
-        theirs->trouble));
-  }
-  throw Error(theirs->records ? "a trial of yours is running; end it first"
-                              : "your last trial is being scored; wait for its points");
 }
 
 int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exercise,
                      const std::string& station, const std::string& scene, std::int64_t now_ns,
                      std::optional<double> exam_s) {
   Running trial;
-  trial.exercise = Find(exercise);
+  trial.exercise = pages_.Find(exercise);
   if (trial.exercise == nullptr) throw Error("there is no exercise " + Quoted(exercise));
-  CheckMayBegin(person);
+  trials_.CheckMayBegin(person);
   trial.news.holder = holder;
   trial.news.person = person;
   trial.news.exercise = exercise;
@@ -212,33 +71,19 @@ int TrialRoom::Begin(Holder holder, std::int64_t person, const std::string& exer
   trial.asked_ns = now_ns;
   trial.is_exam = trial.submits = exam_s.has_value();
   trial.most_s = exam_s.value_or(trial.exercise->most_s);
-  const std::string folder = FolderOf(person, exercise);
+  const std::string folder = pages_.FolderOf(person, exercise);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
     throw Error(folder + ": " + error.message() +
                 "; cannot record there; check the folder's rights and the space on its disk");
   RefuseLinks(options_.folder, folder);
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement last(database,
-                           "SELECT IFNULL(MAX(n), 0) FROM trials WHERE person=? AND exercise=?");
-    last.bind(1, person);
-    last.bind(2, exercise);
-    last.executeStep();
-    trial.news.n = last.getColumn(0).getInt() + 1;
-    SQLite::Statement row(database,
-                          "INSERT INTO trials(person, exercise, n, begun_s) VALUES(?, ?, ?, ?)");
-    row.bind(1, person);
-    row.bind(2, exercise);
-    row.bind(3, trial.news.n);
-    row.bind(4, Now_s());
-    row.exec();
-  });
-  std::vector<std::string> arguments{fmt::format("--output={}/{}.mcap", folder, trial.news.n),
+  trial.news.n = table_.Begin(person, exercise);
+  std::vector<std::string> arguments{fmt::format("--output={}.mcap", StemOf(trial.news)),
                                      "--station=" + station, "--await-scene=" + scene};
   arguments.insert(arguments.end(), options_.network.begin(), options_.network.end());
-  trials_.push_back(std::move(trial));
-  Running& begun = trials_.back();
+  trials_.all.push_back(std::move(trial));
+  Running& begun = trials_.all.back();
   begun.records = true;
   begun.recorder =
       std::make_unique<ChildProgram>(options_.programs + "/palpate-record", arguments,
@@ -260,28 +105,15 @@ void TrialRoom::BeginToEnd(Running& trial, const std::string& reason) {
 }
 
 void TrialRoom::End(Holder holder, const std::string& reason, bool whole) {
-  for (Running& trial : trials_) {
+  for (Running& trial : trials_.all) {
     if (trial.news.holder != holder || trial.news.phase == "ending") continue;
     trial.news.whole = trial.news.whole && whole;
     BeginToEnd(trial, reason);
   }
 }
 
-bool TrialRoom::is_running(Holder holder) const {
-  return std::ranges::any_of(trials_, [&](const Running& trial) {
-    return trial.news.holder == holder && trial.news.phase == "running";
-  });
-}
-
-TrialRoom::Holder TrialRoom::HolderOf(std::int64_t person) const {
-  const auto runs = std::ranges::find_if(trials_, [&](const Running& trial) {
-    return trial.news.person == person && trial.news.phase == "running";
-  });
-  return runs == trials_.end() ? 0 : runs->news.holder;
-}
-
 void TrialRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
-  for (Running& trial : trials_) {
+  for (Running& trial : trials_.all) {
     if (trial.news.holder != holder || trial.news.phase != "running") continue;
     trial.news.holder = to;
     trial.news.left_s = trial.most_s - 1e-9 * static_cast<double>(now_ns - trial.began_ns);
@@ -290,13 +122,13 @@ void TrialRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
 }
 
 void TrialRoom::EndOf(const std::set<std::int64_t>& people, const std::string& reason) {
-  for (Running& trial : trials_) {
+  for (Running& trial : trials_.all) {
     if (people.contains(trial.news.person)) BeginToEnd(trial, reason);
   }
 }
 
 void TrialRoom::EndIn(const std::string& scene, const std::string& reason) {
-  for (Running& trial : trials_) {
+  for (Running& trial : trials_.all) {
     if (!trial.records || trial.scene != scene) continue;
     trial.news.whole = false;
     BeginToEnd(trial, reason);
@@ -304,26 +136,19 @@ void TrialRoom::EndIn(const std::string& scene, const std::string& reason) {
 }
 
 void TrialRoom::Submit(Holder holder, std::int64_t person, const std::string& exercise, int n) {
-  for (Running& trial : trials_) {
+  for (Running& trial : trials_.all) {
     if (!trial.records || trial.news.holder != holder || trial.news.exercise != exercise) continue;
     trial.submits = true;
     return BeginToEnd(trial, "submitted");
   }
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement row(database,
-                          "UPDATE trials SET submitted_s=? WHERE person=? AND exercise=? AND n=? "
-                          "AND ended_s IS NOT NULL AND submitted_s IS NULL");
-    row.bind(1, Now_s());
-    row.bind(2, person);
-    row.bind(3, exercise);
-    row.bind(4, n);
-    if (row.exec() != 1) throw Error("there is no such trial to submit");
-  });
+  if (!table_.Submit({person, exercise, n})) throw Error("there is no such trial to submit");
 }
 
 void TrialRoom::Tell(Running& trial, const std::string& phase) {
   trial.news.phase = phase;
   tell_(trial.news);
+  spdlog::info("{}: {}{}{}", NameOf(trial.news), trial.news.phase,
+               trial.news.reason.empty() ? "" : ", ", trial.news.reason);
 }
 
 bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
@@ -351,7 +176,7 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
       trial.news.left_s = trial.most_s;
       // A trial of an exam is scored after the exam is closed.
       const auto following = std::ranges::count_if(
-          trials_, [](const Running& other) { return other.records && other.scorer; });
+          trials_.all, [](const Running& other) { return other.records && other.scorer; });
       if (!trial.is_exam && following < kMostFollowing) BeginScoring(trial, true);
       Tell(trial, "running");
     }
@@ -384,19 +209,7 @@ bool TrialRoom::PollOne(Running& trial, std::int64_t now_ns) {
 bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
   if (now_ns < trial.retry_ns) return false;
   const News& news = trial.news;
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement row(database,
-                          "UPDATE trials SET ended_s=?, reason=?, whole=?, submitted_s=? WHERE "
-                          "person=? AND exercise=? AND n=?");
-    row.bind(1, Now_s());
-    row.bind(2, news.reason);
-    row.bind(3, news.whole ? 1 : 0);
-    if (trial.submits) row.bind(4, Now_s());
-    row.bind(5, news.person);
-    row.bind(6, news.exercise);
-    row.bind(7, news.n);
-    row.exec();
-  });
+  table_.End(news.key(), news.reason, news.whole, trial.submits);
   trial.records = false;
   trial.news.submitted = trial.submits;
   return true;
@@ -416,38 +229,20 @@ bool TrialRoom::Keep(Running& trial, std::int64_t now_ns) try {
 void TrialRoom::Score(const News& kept, double length_s) {
   Running trial;
   trial.news = kept;
-  trial.exercise = Find(kept.exercise);
+  trial.exercise = pages_.Find(kept.exercise);
   trial.most_s = std::max(length_s, trial.exercise->most_s);
-  trials_.push_back(std::move(trial));
-  Score(trials_.back());
+  trials_.all.push_back(std::move(trial));
+  Score(trials_.all.back());
 }
 
 void TrialRoom::ScoreLeftovers() {
-  std::vector<std::pair<News, double>> leftovers;
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement rows(
-        database,
-        "SELECT person, exercise, n, IFNULL(reason, ''), whole, submitted_s, ended_s - begun_s "
-        "FROM trials t WHERE "
-        "ended_s IS NOT NULL AND passed IS NULL AND NOT EXISTS (SELECT 1 FROM exam_trials e WHERE "
-        "e.person=t.person AND e.exercise=t.exercise AND e.n=t.n) ORDER BY ended_s");
-    while (rows.executeStep()) {
-      News news;
-      news.person = rows.getColumn(0).getInt64();
-      news.exercise = rows.getColumn(1).getString();
-      news.n = rows.getColumn(2).getInt();
-      news.reason = rows.getColumn(3).getString();
-      news.whole = rows.getColumn(4).getInt() == 1;
-      news.submitted = !rows.getColumn(5).isNull();
-      leftovers.emplace_back(std::move(news), rows.getColumn(6).getDouble());
-    }
-  });
-  for (auto& [news, length_s] : leftovers) {
-    if (Find(news.exercise) == nullptr) continue;
+  for (const TrialRow& row : table_.Unscored()) {
+    if (pages_.Find(row.exercise) == nullptr) continue;
+    News news = NewsOf(row);
     // A failed scoring is tried again: the disk may have been full.
     const std::size_t failed = news.reason.find(kNoScore);
     if (failed != news.reason.npos) news.reason.erase(failed < 2 ? 0 : failed - 2);
-    Score(news, length_s);
+    Score(news, static_cast<double>(row.ended_s - row.begun_s));
   }
 }
 
@@ -465,10 +260,10 @@ double TrialRoom::MostToScore_s(const Running& trial) {
 void TrialRoom::ScoreNext() {
   const auto waits = [](const Running& trial) { return !trial.records && !trial.scorer; };
   const auto at_work = std::ranges::count_if(
-      trials_, [](const Running& trial) { return !trial.records && trial.scorer; });
+      trials_.all, [](const Running& trial) { return !trial.records && trial.scorer; });
   static const int most = std::min(UsableCores(), kMostFollowing);
   std::vector<Running*> queue;
-  for (Running& trial : trials_) {
+  for (Running& trial : trials_.all) {
     if (!waits(trial)) continue;
     if (trial.place == 0) trial.place = ++places_;
     queue.push_back(&trial);
@@ -491,35 +286,23 @@ void TrialRoom::ScoreNext() {
   }
 }
 
-std::string TrialRoom::NameOf(std::int64_t person) {
-  std::string name;
-  try {
-    file_.Use([&](SQLite::Database& database) {
-      if (!database.tableExists("person")) return;
-      SQLite::Statement row(database, "SELECT name FROM person WHERE id=?");
-      row.bind(1, person);
-      if (row.executeStep()) name = row.getColumn(0).getString();
-    });
-  } catch (const Error&) {
-    // A score page without a name is better than no score.
-  }
-  return name;
-}
-
-std::string TrialRoom::NameOf(const News& news) {
-  const std::string name = NameOf(news.person);
+std::string TrialRoom::NameOf(const News& news) const {
+  const std::string name = people_.NameOf(news.person);
   return fmt::format("trial {} of '{}' by {}", news.n, news.exercise,
                      name.empty() ? fmt::format("person {}", news.person) : name);
 }
 
+std::string TrialRoom::StemOf(const News& news) const {
+  return fmt::format("{}/{}", pages_.FolderOf(news.person, news.exercise), news.n);
+}
+
 void TrialRoom::BeginScoring(Running& trial, bool follows) {
-  const std::string stem =
-      fmt::format("{}/{}", FolderOf(trial.news.person, trial.news.exercise), trial.news.n);
+  const std::string stem = StemOf(trial.news);
   if (std::error_code none; fs::is_symlink(stem, none)) fs::remove(stem, none);  // nobody's report
   std::vector<std::string> arguments{"score",         trial.exercise->expert,
                                      stem + ".mcap",  "--criteria=" + trial.exercise->file,
                                      "--out=" + stem, "--join"};
-  const std::string name = NameOf(trial.news.person);
+  const std::string name = people_.NameOf(trial.news.person);
   if (!name.empty()) arguments.push_back("--person=" + name);
   if (follows) arguments.emplace_back("--follow");
   trial.scorer =
@@ -531,7 +314,6 @@ void TrialRoom::BeginScoring(Running& trial, bool follows) {
 
 void TrialRoom::TakeScore(Running& trial) {
   News news = trial.news;  // a copy: while the course's file is held, it is tried again
-  const std::string stem = fmt::format("{}/{}", FolderOf(news.person, news.exercise), news.n);
   std::string marks;
   try {
     if (trial.is_overdue) {
@@ -542,7 +324,7 @@ void TrialRoom::TakeScore(Running& trial) {
     }
     if (!trial.scorer->complaint().empty()) throw Error(trial.scorer->complaint());
     const Json score =
-        Json::parse(ReadFileBelow(options_.folder, stem + "/score.json", kLargestScore));
+        Json::parse(ReadFileBelow(options_.folder, StemOf(news) + "/score.json", kLargestScore));
     news.passed = score.at("passed");
     const Json& done = score.at("trials").at(0);
     if (!done.at("points").is_null()) news.points = done.at("points");
@@ -557,22 +339,8 @@ void TrialRoom::TakeScore(Running& trial) {
             (sessions == 2 ? "once" : fmt::format("{} times", sessions - 1)));
     }
     if (const std::string why = done.value("incomplete", ""); !why.empty()) lacks(why);
-    news.page = KeyOf(stem + "/score.html");
-    file_.Use([&](SQLite::Database& database) {
-      SQLite::Statement row(
-          database,
-          "UPDATE trials SET points=?, passed=?, marks=?, reason=?, whole=? WHERE person=? AND "
-          "exercise=? AND n=?");
-      if (news.points) row.bind(1, *news.points);
-      row.bind(2, news.passed ? 1 : 0);
-      row.bind(3, marks);
-      row.bind(4, news.reason);
-      row.bind(5, news.whole ? 1 : 0);
-      row.bind(6, news.person);
-      row.bind(7, news.exercise);
-      row.bind(8, news.n);
-      row.exec();
-    });
+    news.page = pages_.KeyOf(news.key());
+    table_.Score(news.key(), news.reason, news.whole, TrialScore{news.points, news.passed, marks});
     trial.news = news;
     Tell(trial, "scored");
   } catch (const CourseHeld&) {
@@ -584,17 +352,7 @@ void TrialRoom::TakeScore(Running& trial) {
     news.whole = news.whole && why.find(kSeveralSessions) == std::string::npos;
     // The page says itself that there is no score, and the person knows how an orderly trial ended.
     news.reason = news.whole || news.reason.empty() ? why : news.reason + "; " + why;
-    file_.Use([&](SQLite::Database& database) {
-      SQLite::Statement row(database,
-                            "UPDATE trials SET whole=?, reason=? WHERE person=? AND exercise=? "
-                            "AND n=?");
-      row.bind(1, news.whole ? 1 : 0);
-      row.bind(2, stored);
-      row.bind(3, news.person);
-      row.bind(4, news.exercise);
-      row.bind(5, news.n);
-      row.exec();
-    });
+    table_.Score(news.key(), stored, news.whole, std::nullopt);
     spdlog::error("{}: {}", NameOf(news), Printable(stored));
     trial.news = news;
     Tell(trial, "unscored");
@@ -602,7 +360,7 @@ void TrialRoom::TakeScore(Running& trial) {
 }
 
 void TrialRoom::Poll(std::int64_t now_ns) {
-  for (auto it = trials_.begin(); it != trials_.end();) {
+  for (auto it = trials_.all.begin(); it != trials_.all.end();) {
     bool goes_on = false;
     try {
       goes_on = PollOne(*it, now_ns);
@@ -613,93 +371,12 @@ void TrialRoom::Poll(std::int64_t now_ns) {
       it->news.reason = error.what();
       Tell(*it, "unscored");
     }
-    it = goes_on ? std::next(it) : trials_.erase(it);
+    it = goes_on ? std::next(it) : trials_.all.erase(it);
   }
   try {
     ScoreNext();
   } catch (const Error&) {  // no process can be created now: the trial waits
   }
-}
-
-std::string TrialRoom::KeyOf(const std::string& page) {
-  const auto known =
-      std::ranges::find(pages_, page, [](const auto& entry) { return entry.second; });
-  if (known != pages_.end()) return known->first;
-  std::random_device random;
-  std::string key;
-  for (int i = 0; i < 4; ++i) key += fmt::format("{:08x}", random());
-  return pages_.emplace(key, page).first->first;
-}
-
-std::map<std::pair<std::string, int>, std::string> TrialRoom::PagesOf(std::int64_t person) {
-  std::map<std::pair<std::string, int>, std::string> pages;
-  for (const TrialRow& row : ReadTrials(file_, person)) {
-    const std::string page = fmt::format("{}/{}/score.html", FolderOf(person, row.exercise), row.n);
-    std::error_code none;
-    if (fs::exists(page, none)) pages[{row.exercise, row.n}] = KeyOf(page);
-  }
-  return pages;
-}
-
-void TrialRoom::ForgetPages(const std::set<std::int64_t>& people) {
-  for (const std::int64_t person : people) {
-    const std::string theirs = FolderOf(person, "");
-    std::erase_if(pages_, [&](const auto& entry) { return entry.second.starts_with(theirs); });
-  }
-}
-
-std::string TrialRoom::PageOf(const std::string& key) const {
-  const auto page = pages_.find(key);
-  return page == pages_.end() ? "" : page->second;
-}
-
-std::string TrialRoom::PictureOf(const std::string& path) const {
-  for (const Exercise& exercise : exercises_) {
-    for (const Exercise::Picture& picture : exercise.pictures) {
-      if (exercise.name + "/" + picture.file == path) {
-        return exercise.folder() + "/" + picture.file;
-      }
-    }
-  }
-  return "";
-}
-
-std::string TrialRoom::DescribeJson(const std::string& exercise) const {
-  Json json = JsonOf(*Find(exercise));
-  for (const char* hint : {"guide", "guards"}) json.erase(hint);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string TrialRoom::ListJson(std::int64_t person, bool teaches) {
-  Json list = Json::array();
-  for (const Exercise& exercise : exercises_) {
-    list.push_back(JsonOf(exercise));
-    if (teaches) list.back()["serve"] = ShellWord(exercise.scene);
-  }
-  file_.Use([&](SQLite::Database& database) {
-    SQLite::Statement rows(database,
-                           "SELECT exercise, n, points, passed, whole, submitted_s, reason FROM "
-                           "trials WHERE person=? AND ended_s IS NOT NULL ORDER BY n");
-    rows.bind(1, person);
-    while (rows.executeStep()) {
-      const std::string name = rows.getColumn(0).getString();
-      const int n = rows.getColumn(1).getInt();
-      const std::string page = fmt::format("{}/{}/score.html", FolderOf(person, name), n);
-      std::error_code none;
-      Json trial = {{"n", n},
-                    {"points", nullptr},
-                    {"passed", rows.getColumn(3).getInt() == 1},
-                    {"whole", rows.getColumn(4).getInt() == 1},
-                    {"submitted", !rows.getColumn(5).isNull()},
-                    {"reason", rows.getColumn(6).getString()},
-                    {"page", fs::exists(page, none) ? KeyOf(page) : ""}};
-      if (!rows.getColumn(2).isNull()) trial["points"] = rows.getColumn(2).getDouble();
-      for (Json& exercise : list) {
-        if (exercise["name"] == name) exercise["done"].push_back(trial);
-      }
-    }
-  });
-  return Json({{"exercises", list}}).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace palpate

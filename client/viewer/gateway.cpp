@@ -47,7 +47,10 @@ class Listener {
  public:
   /// @param tls  null: in the clear.
   Listener(net::io_context& io, Hub& hub, net::ssl::context* tls)
-      : acceptor_(io), retry_(io), hub_(hub), tls_(tls) {
+      : acceptor_(io),
+        retry_(io),
+        service_{hub, PageFiles(hub.options().page), ScenePacker(io), tls,
+                 std::make_shared<Lobby>(kHttpConnections, kHttpConnections / 2)} {
     const ViewerOptions& options = hub.options();
     const tcp::endpoint at(net::ip::make_address(options.address),
                            static_cast<unsigned short>(options.port));
@@ -83,17 +86,14 @@ class Listener {
         });
         return;
       }
-      std::make_shared<HttpSession>(std::move(socket), hub_, lobby_, tls_)->Begin();
+      std::make_shared<HttpSession>(std::move(socket), service_)->Begin();
       Accept();
     });
   }
 
   tcp::acceptor acceptor_;
   net::steady_timer retry_;
-  Hub& hub_;
-  net::ssl::context* tls_;
-  // Its connections may outlive this object, within handlers that never run.
-  std::shared_ptr<Lobby> lobby_ = std::make_shared<Lobby>(kHttpConnections, kHttpConnections / 2);
+  HttpService service_;
 };
 
 /// Returns the addresses of the page: host names first, since certificates are issued for them.
@@ -134,14 +134,14 @@ void WarnOfNetwork(const ViewerOptions& options) {
 
 void Announce(const ViewerOptions& options, Hub& hub, const tcp::endpoint& endpoint) {
   if (!endpoint.address().is_loopback()) WarnOfNetwork(options);
-  if (!hub.page().built()) {
+  if (!PageFiles(options.page).built()) {
     spdlog::warn(
         "the page is not built (looked for it in {}); a page that says so is served instead",
         options.page);
   }
   const std::string urls = Urls(options, endpoint);
-  hub.NoteAddress(urls);
-  if (const auto teacher = hub.MakeFirstTeacher()) {
+  if (hub.course() != nullptr) hub.course()->trials().lock().Tell(urls);
+  if (const auto teacher = hub.rights().MakeFirstTeacher()) {
     std::printf("the teacher's link, shown only now: %s#token=%s\n",
                 urls.substr(0, urls.find(' ')).c_str(), teacher->token.c_str());
   }
@@ -204,7 +204,7 @@ void Serve(const ViewerOptions& options) {
   if (!options.tls_cert.empty()) tls = MakeTls(options.tls_cert, options.tls_key);
   net::io_context io(1);
   Hub hub(io, options);
-  ReloadSignal reload(io, [&hub] { hub.ReadTokensAnew(SteadyNanoseconds()); });
+  ReloadSignal reload(io, [&hub] { hub.ReadTokensAnew(); });
   Listener listener(io, hub, tls ? &*tls : nullptr);
   Announce(options, hub, listener.endpoint());
 
@@ -218,8 +218,8 @@ void Serve(const ViewerOptions& options) {
       reload.Stop();
       hub.BeginToEnd(now_ns);
     }
-    hub.Tick(now_ns);
-    if (ending_ns != 0 && (hub.ended() || now_ns - ending_ns > ViewerLimits::kFarewell_ns))
+    const bool goes_on = hub.Tick(now_ns);
+    if (ending_ns != 0 && (!goes_on || now_ns - ending_ns > ViewerLimits::kFarewell_ns))
       return io.stop();
     // By the absolute clock, but without a burst after a delay.
     timer.expires_at(std::max(timer.expiry() + kTick, std::chrono::steady_clock::now()));
@@ -236,7 +236,7 @@ void ExportCsv(const ViewerOptions& options) {
   }
   CourseFile file(options.course);
   WriteOutput("--export-csv", options.export_csv,
-              History({}, Roster(file).people(), ReadTrials(file)).Csv());
+              History({}, RosterTable(file).All(), TrialTable(file).Ended()).Csv());
 }
 
 int RunGateway(const ViewerOptions& options) {

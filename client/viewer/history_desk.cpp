@@ -9,7 +9,6 @@
 
 #include "client/course/history.h"
 #include "client/course/person_data.h"
-#include "client/course/roster.h"
 #include "common/error.h"
 
 namespace palpate {
@@ -81,12 +80,12 @@ void HistoryDesk::Ask(HistoryWish wish, bool for_teacher, Pages pages,
 HistoryDesk::Answer HistoryDesk::Read(const HistoryWish& wish, bool for_teacher,
                                       const Pages& pages) {
   if (!file_) file_ = std::make_unique<CourseFile>(folder_);
-  const std::vector<Person> people = Roster(*file_).people();
+  const std::vector<Person> people = RosterTable(*file_).All();
   const auto person = std::ranges::find(people, wish.person, &Person::id);
   if (wish.person != 0 && person == people.end()) {
     return {404, "text/plain; charset=utf-8", "no person of this course has that number\n"};
   }
-  const History history(exercises_, people, ReadTrials(*file_));
+  const History history(exercises_, people, TrialTable(*file_).Ended());
   if (wish.as == HistoryWish::As::kCsv) {
     return {200, "text/csv; charset=utf-8", history.Csv(wish.person, wish.csv)};
   }

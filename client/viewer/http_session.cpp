@@ -89,9 +89,8 @@ std::span<const std::uint8_t> BytesOf(const std::string& text) {
 
 }  // namespace
 
-HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub,
-                         std::shared_ptr<Lobby> lobby, boost::asio::ssl::context* tls)
-    : stream_(std::move(socket)), hub_(hub), lobby_(std::move(lobby)), tls_(tls) {}
+HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, HttpService& service)
+    : stream_(std::move(socket)), service_(service), hub_(service.hub), lobby_(service.lobby) {}
 
 HttpSession::~HttpSession() {
   if (place_) lobby_->Leave(*place_);
@@ -109,22 +108,24 @@ void HttpSession::Begin() {
   const bool is_bounded = !visitor_.is_local && !IsProxy(peer_.address(), hub_.options().proxies);
   place_ = lobby_->Enter(is_bounded ? visitor_.address : "", close, SteadyNanoseconds());
   if (!place_) return;
-  if (tls_ != nullptr) return Secure();
+  if (service_.tls != nullptr) return Secure();
   Read();
 }
 
 void HttpSession::Secure() {
   stream_.next_layer().expires_after(kPatience);
   const auto self = shared_from_this();
-  beast::async_detect_ssl(
-      stream_.next_layer(), input_, [self](beast::error_code error, bool wants_tls) {
-        if (error) return self->stream_.next_layer().close();
-        if (!wants_tls) return self->Read();
-        self->stream_.AsyncSecure(*self->tls_, self->input_, [self](beast::error_code result) {
-          if (result) return self->stream_.next_layer().close();
-          self->Read();
-        });
-      });
+  beast::async_detect_ssl(stream_.next_layer(), input_,
+                          [self](beast::error_code error, bool wants_tls) {
+                            if (error) return self->stream_.next_layer().close();
+                            if (!wants_tls) return self->Read();
+                            self->stream_.AsyncSecure(*self->service_.tls, self->input_,
+                                                      [self](beast::error_code result) {
+                                                        if (result)
+                                                          return self->stream_.next_layer().close();
+                                                        self->Read();
+                                                      });
+                          });
 }
 
 void HttpSession::Read() {
@@ -175,7 +176,7 @@ Asker HttpSession::AskerOf(const Request& request) const {
 
 void HttpSession::Refuse(const Request& request, int status, Refusal refusal,
                          const std::string& reason) {
-  hub_.refusals().Say(refusal, visitor_.name, reason, SteadyNanoseconds());
+  hub_.viewers().refusals().Say(refusal, visitor_.name, reason, SteadyNanoseconds());
   GiveText(request, static_cast<http::status>(status), reason + "\n");
 }
 
@@ -201,10 +202,11 @@ void HttpSession::SendToTls(const Request& request) {
 void HttpSession::Answer(const Request& request) {
   visitor_ = VisitorAt(peer_, Forwarded(request), hub_.options().proxies);
   const Asker asker = AskerOf(request);
-  if (const Verdict verdict = hub_.gate().JudgeHost(asker); verdict.access == Access::kNone) {
+  if (const Verdict verdict = hub_.rights().gate().JudgeHost(asker);
+      verdict.access == Access::kNone) {
     return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
-  if (tls_ != nullptr && !stream_.is_secure()) return SendToTls(request);
+  if (service_.tls != nullptr && !stream_.is_secure()) return SendToTls(request);
   if (beast::websocket::is_upgrade(request)) return Upgrade(request);
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     return Refuse(request, 405, Refusal::kRequest, "only GET and HEAD are supported");
@@ -214,16 +216,16 @@ void HttpSession::Answer(const Request& request) {
   // The page's own files are the same for everybody, and needed before a page can present a token.
   const bool is_of_page = *path != kHealth && *path != kMetrics && !path->starts_with(kScene) &&
                           !path->starts_with(kHistory);
-  const Verdict verdict = hub_.gate().JudgeToken(asker);
+  const Verdict verdict = hub_.rights().gate().JudgeToken(asker);
   if (!is_of_page && verdict.access == Access::kNone) {
     return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   }
   if (*path == kHealth) {
     last_ = true;  // every page asks every few seconds: none should hold a connection for that
-    return GiveText(request, http::status::ok, hub_.Health(), "application/json");
+    return GiveText(request, http::status::ok, HealthOf(hub_), "application/json");
   }
   if (*path == kMetrics) {
-    return GiveText(request, http::status::ok, hub_.Metrics(), kMetricsContentType);
+    return GiveText(request, http::status::ok, MetricsOf(hub_), kMetricsContentType);
   }
   if (path->starts_with(kScene) && path->ends_with(kBundle) &&
       path->size() > kScene.size() + kBundle.size()) {
@@ -236,27 +238,27 @@ void HttpSession::Answer(const Request& request) {
   // Authorised by a key, told only to its person and to teachers: the link opens in a new tab,
   // which has no token.
   if (path->starts_with(kScore)) {
-    return GiveOfCourse(request, &TrialRoom::PageOf, path->substr(kScore.size()));
+    return GiveOfCourse(request, &ExercisePages::PageOf, path->substr(kScore.size()));
   }
   if (path->starts_with(kExercise)) {
-    return GiveOfCourse(request, &TrialRoom::PictureOf, path->substr(kExercise.size()));
+    return GiveOfCourse(request, &ExercisePages::PictureOf, path->substr(kExercise.size()));
   }
   GiveFile(request, *path);
 }
 
 void HttpSession::GiveOfCourse(const Request& request,
-                               std::string (TrialRoom::*find)(const std::string&) const,
+                               std::string (ExercisePages::*find)(const std::string&) const,
                                const std::string& name) {
-  const TrialRoom* const trials = hub_.trials();
-  const std::string path = trials != nullptr ? (trials->*find)(name) : "";
+  CourseDesk* const course = hub_.course();
+  const std::string path = course != nullptr ? (course->trials().pages().*find)(name) : "";
   PageFile file{path, ContentTypeOf(path)};
-  file.below = find == &TrialRoom::PageOf ? trials->folder()
-                                          : std::filesystem::path(path).parent_path().string();
-  const auto content = path.empty() ? nullptr : hub_.page().Read(file);
+  file.below = find == &ExercisePages::PageOf ? hub_.options().course
+                                              : std::filesystem::path(path).parent_path().string();
+  const auto content = path.empty() ? nullptr : service_.page.Read(file);
   if (!content) return GiveText(request, http::status::not_found, "there is no such file\n");
   Response response = ResponseOf(http::status::ok, "no-store");
   response.set(http::field::content_type, file.content_type);
-  if (find == &TrialRoom::PageOf) response.set("Content-Security-Policy", kScorePolicy);
+  if (find == &ExercisePages::PageOf) response.set("Content-Security-Policy", kScorePolicy);
   Send(std::move(response), request, BytesOf(*content), content);
 }
 
@@ -287,29 +289,32 @@ void HttpSession::GiveHistory(const Request& request, const std::string& name,
   if (!MayRead(*wish, verdict.access, verdict.holder ? verdict.holder->person : 0)) {
     return Refuse(request, 403, Refusal::kRole, "only teachers may read the results of others");
   }
-  if (verdict.holder && hub_.SitsExam(verdict.holder->person)) {
-    return Refuse(request, 403, Refusal::kRole, Hub::kInExam);
+  CourseDesk* const course = hub_.course();
+  if (course == nullptr) {
+    return GiveText(request, http::status::not_found, "there is no course here\n");
   }
+  const std::string why = course->WhyNotInExam(verdict.holder ? verdict.holder->person : 0);
+  if (!why.empty()) return Refuse(request, 403, Refusal::kRole, why);
   stream_.next_layer().expires_never();
-  hub_.AskHistory(*wish, verdict.access == Access::kOperate,
-                  [self = shared_from_this(), request](HistoryDesk::Answer answer) {
-                    Response response =
-                        ResponseOf(static_cast<http::status>(answer.status), "no-store");
-                    response.set(http::field::content_type, answer.type);
-                    if (answer.file < 0) {
-                      const auto text = std::make_shared<const std::string>(std::move(answer.text));
-                      return self->Send(std::move(response), request, BytesOf(*text), text);
-                    }
-                    struct stat about {};
-                    fstat(answer.file, &about);
-                    const auto rest = std::make_shared<Rest>(
-                        answer.file, static_cast<std::uint64_t>(about.st_size), answer.given);
-                    self->Send(std::move(response), request, rest->Next(), rest, rest);
-                  });
+  course->AskHistory(
+      *wish, verdict.access == Access::kOperate,
+      [self = shared_from_this(), request](HistoryDesk::Answer answer) {
+        Response response = ResponseOf(static_cast<http::status>(answer.status), "no-store");
+        response.set(http::field::content_type, answer.type);
+        if (answer.file < 0) {
+          const auto text = std::make_shared<const std::string>(std::move(answer.text));
+          return self->Send(std::move(response), request, BytesOf(*text), text);
+        }
+        struct stat about {};
+        fstat(answer.file, &about);
+        const auto rest = std::make_shared<Rest>(
+            answer.file, static_cast<std::uint64_t>(about.st_size), answer.given);
+        self->Send(std::move(response), request, rest->Next(), rest, rest);
+      });
 }
 
 void HttpSession::Upgrade(const Request& request) {
-  const Verdict verdict = hub_.gate().JudgeSocket(AskerOf(request));
+  const Verdict verdict = hub_.rights().gate().JudgeSocket(AskerOf(request));
   if (verdict.access == Access::kNone)
     return Refuse(request, verdict.status, verdict.refusal, verdict.reason);
   const std::string_view subprotocol =
@@ -318,7 +323,7 @@ void HttpSession::Upgrade(const Request& request) {
     return Refuse(request, 400, Refusal::kRequest,
                   "offer the subprotocol foxglove.websocket.v1 or foxglove.sdk.v1");
   }
-  if (!hub_.MakeRoom(visitor_.address)) {
+  if (!hub_.viewers().MakeRoom(visitor_.address)) {
     return Refuse(request, 503, Refusal::kFull,
                   "this gateway has the maximum number of viewers (--max-viewers), and no address "
                   "has more of them than this one");
@@ -410,7 +415,7 @@ void HttpSession::GiveText(const Request& request, http::status status, std::str
 
 void HttpSession::GiveFile(const Request& request, const std::string& path) {
   const bool gzip = AcceptsGzip(View(request[http::field::accept_encoding]));
-  const auto file = hub_.page().Find(path, gzip);
+  const auto file = service_.page.Find(path, gzip);
   if (!file) {
     if (path == "/" || path == "/index.html") {
       return GiveText(request, http::status::ok, PageIsNotBuilt(hub_.options().page),
@@ -418,7 +423,7 @@ void HttpSession::GiveFile(const Request& request, const std::string& path) {
     }
     return GiveText(request, http::status::not_found, "there is no such file\n");
   }
-  const std::shared_ptr<const std::string> content = hub_.page().Read(*file);
+  const std::shared_ptr<const std::string> content = service_.page.Read(*file);
   if (!content) return GiveText(request, http::status::not_found, "the file cannot be read\n");
   Response response = ResponseOf(http::status::ok,
                                  file->hashed ? "public, max-age=31536000, immutable" : "no-cache");
@@ -449,7 +454,7 @@ void HttpSession::GiveScene(const Request& request, const std::string& name) {
   };
   if (!gzip) return give(nullptr);
   stream_.next_layer().expires_never();
-  hub_.packer().Pack(scene, give);
+  service_.packer.Pack(scene, give);
 }
 
 }  // namespace palpate

@@ -9,11 +9,22 @@
 #include <boost/beast/http.hpp>
 
 #include "client/viewer/hub.h"
+#include "client/viewer/page_files.h"
+#include "client/viewer/scene_packer.h"
 #include "client/viewer/visitor.h"
 #include "client/viewer/web_stream.h"
 #include "common/http/lobby.h"
 
 namespace palpate {
+
+/// What HTTP connections share.
+struct HttpService {
+  Hub& hub;
+  PageFiles page;
+  ScenePacker packer;
+  boost::asio::ssl::context* tls;  ///< null: in the clear.  Must outlive all sessions
+  std::shared_ptr<Lobby> lobby;    ///< connections may outlive this, in handlers that never run
+};
 
 /// One HTTP connection, over TLS if there is a certificate: serves files, or becomes a viewer's
 /// WebSocket.  A client that is too slow is dropped: in the handshake, in sending a request,
@@ -21,9 +32,7 @@ namespace palpate {
 /// Thread contract: the network thread.  May outlive the hub, held by a handler that never runs.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  /// @param tls  null: in the clear.  Must outlive all sessions.
-  HttpSession(boost::asio::ip::tcp::socket socket, Hub& hub, std::shared_ptr<Lobby> lobby,
-              boost::asio::ssl::context* tls);
+  HttpSession(boost::asio::ip::tcp::socket socket, HttpService& service);
   ~HttpSession();
 
   /// Serves the connection if the lobby has room for it.
@@ -52,7 +61,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void GiveScene(const Request& request, const std::string& name);
   /// Sends a file of the course by name: a score page or a picture.
   void GiveOfCourse(const Request& request,
-                    std::string (TrialRoom::*find)(const std::string&) const,
+                    std::string (ExercisePages::*find)(const std::string&) const,
                     const std::string& name);
   static Response ResponseOf(boost::beast::http::status status, const char* cache);
   static Response SceneResponse(boost::beast::http::status status, const std::string& etag);
@@ -65,9 +74,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
             std::shared_ptr<const void> owner = nullptr, std::shared_ptr<Rest> rest = nullptr);
 
   WebStream stream_;
+  HttpService& service_;
   Hub& hub_;
-  std::shared_ptr<Lobby> lobby_;
-  boost::asio::ssl::context* tls_;
+  const std::shared_ptr<Lobby> lobby_;
   boost::asio::ip::tcp::endpoint peer_;
   Visitor visitor_;  // of the last request: a proxy may forward several over one connection
   std::optional<Lobby::Id> place_;

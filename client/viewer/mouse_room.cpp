@@ -4,9 +4,12 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "client/viewer/tokens.h"
+#include "client/viewer/topic_feed.h"
+#include "client/viewer/viewer_limits.h"
 #include "common/dds/phase_name.h"
 #include "common/error.h"
 
@@ -133,12 +136,6 @@ void MouseRoom::LetGo(Mouse& mouse, const std::string& phase, const std::string&
   tell_({holder, mouse.name, mouse.scene, mouse.tool, phase, reason, lost});
 }
 
-void MouseRoom::ReleaseAll(const std::string& reason, std::int64_t now_ns) {
-  for (Mouse& mouse : mice_) {
-    if (mouse.holder != 0) LetGo(mouse, "ended", reason, now_ns);
-  }
-}
-
 void MouseRoom::Rest(Holder holder, std::int64_t now_ns) {
   Mouse* const mouse = Find(holder);
   if (mouse == nullptr || mouse->away_ns != 0) return;
@@ -159,7 +156,10 @@ bool MouseRoom::Return(Holder holder, Holder to, std::int64_t now_ns) {
 }
 
 void MouseRoom::Release(Holder holder, const std::string& reason, std::int64_t now_ns) {
-  if (Mouse* const mouse = Find(holder)) LetGo(*mouse, "ended", reason, now_ns);
+  for (Mouse& mouse : mice_) {
+    const bool is_meant = holder == 0 || mouse.holder == holder;
+    if (mouse.holder != 0 && is_meant) LetGo(mouse, "ended", reason, now_ns);
+  }
 }
 
 void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) {
@@ -186,10 +186,11 @@ void MouseRoom::OnSession(const wire::SessionState& state, std::int64_t now_ns) 
 void MouseRoom::Poll(std::int64_t now_ns) {
   for (auto it = mice_.begin(); it != mice_.end();) {
     Mouse& mouse = *it;
-    if (mouse.holder != 0 && !mouse.held && now_ns - mouse.moved_ns > kIdle_ns) {
+    if (mouse.holder != 0 && !mouse.held && now_ns - mouse.moved_ns > ViewerLimits::kMouseIdle_ns) {
       LetGo(mouse, "ended", "nobody has moved it for 5 minutes", now_ns);
     }
-    if (mouse.holder != 0 && mouse.away_ns != 0 && now_ns - mouse.away_ns > kAway_ns) {
+    if (mouse.holder != 0 && mouse.away_ns != 0 &&
+        now_ns - mouse.away_ns > ViewerLimits::kMouseAway_ns) {
       LetGo(mouse, "ended", "its page did not come back within 30 s", now_ns, true);
     }
     const bool may_start = !mouse.station && mouse.holder != 0 && !mouse.waits;
@@ -205,6 +206,15 @@ void MouseRoom::Poll(std::int64_t now_ns) {
     }
     it = mice_.erase(it);
   }
+}
+
+FramePtr MouseStateFrame(const MouseRoom::News& news) {
+  return OwnFrame(TopicFeed::kMouseState, 0,
+                  ToText(nlohmann::json({{"station", news.station},
+                                         {"scene", news.scene},
+                                         {"tool", news.tool},
+                                         {"phase", news.phase},
+                                         {"reason", news.reason}})));
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "client/viewer/frame_queue.h"
 #include "client/viewer/mouse_station.h"
 #include "client/viewer/page_messages.h"
 #include "common/dds/network.h"
@@ -18,12 +19,6 @@ namespace palpate {
 /// Thread contract: one thread.  Times are in nanoseconds.
 class MouseRoom {
  public:
-  /// A tool that was not moved for this long is taken from its holder.
-  static constexpr std::int64_t kIdle_ns = 300'000'000'000;
-
-  /// And one whose viewer has gone rests for this long, in case the viewer comes back.
-  static constexpr std::int64_t kAway_ns = 30'000'000'000;
-
   using Holder = std::uint64_t;  ///< a viewer
   struct Options {
     int most = 4;
@@ -63,11 +58,10 @@ class MouseRoom {
   void Go(Holder holder, std::int64_t now_ns);
   /// Has no effect if the viewer holds nothing: poses may arrive after a release.
   void Drag(Holder holder, const Pose& X_WT, bool still, std::int64_t now_ns);
-  /// Also to be called when the viewer has gone.
+  /// Also to be called when the viewer has gone.   @param holder  0: everybody
   void Release(Holder holder, const std::string& reason, std::int64_t now_ns);
-  void ReleaseAll(const std::string& reason, std::int64_t now_ns);
   /// Its viewer is missing: the tool rests where it is, without force, until Return or for
-  /// kAway_ns.
+  /// ViewerLimits::kMouseAway_ns.
   void Rest(Holder holder, std::int64_t now_ns);
   /// Gives a resting tool to the viewer that has come in place of `holder`, or is that one again.
   /// Returns false if there is none.
@@ -81,7 +75,6 @@ class MouseRoom {
   void OnSession(const wire::SessionState& state, std::int64_t now_ns);
   /// Advances the stations; to be called some 100 times a second.
   void Poll(std::int64_t now_ns);
-  const std::string& named_prefix() const { return options_.named_prefix; }
   /// Number of stations that run or are about to.
   std::size_t size() const { return mice_.size(); }
 
@@ -115,5 +108,8 @@ class MouseRoom {
   std::function<void(const News&)> tell_;
   std::list<Mouse> mice_;  // in order of arrival
 };
+
+/// Returns the frame that tells a viewer the state of its mouse.
+FramePtr MouseStateFrame(const MouseRoom::News& news);
 
 }  // namespace palpate

@@ -27,6 +27,9 @@ struct ViewerOptions : ServerOptions {
   std::string course;                             ///< folder; empty: none
   std::string tls_cert;                           ///< file; empty: in the clear
   std::string tls_key;
+  /// Prefix of the names of mouse stations: a gateway with an identity may write poses only under
+  /// this one.
+  std::string mouse_prefix() const { return network.secured() ? "mouse_" : ""; }
   bool asks_for_tokens() const { return !tokens.empty() || !course.empty(); }
   /// If set, makes a token instead of serving.
   struct NewToken {

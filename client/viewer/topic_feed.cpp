@@ -7,10 +7,12 @@
 #include <spdlog/spdlog.h>
 
 #include "client/viewer/page_messages.h"
+#include "common/dds/random_run.h"
 #include "common/dds/topics.h"
 #include "common/error.h"
 #include "common/files/bundle_hash.h"
 #include "common/realtime/steady_clock.h"
+#include "common/realtime/wall_clock.h"
 #include "common/recording/recorded_type.h"
 
 namespace palpate {
@@ -34,6 +36,8 @@ constexpr const char* kObjectSchema = R"({"type":"object"})";
 constexpr std::int64_t kReplaySilent_ns = 5'000'000'000;
 constexpr std::size_t kMostReplays = 16;  // at a time: anybody may claim to be one
 constexpr std::int64_t kLook_ns = 100'000'000;
+/// So many wishes to restore scenes are answered within a moment, at most.
+constexpr std::size_t kOwnWishes = 256;
 
 template <class T>
 foxglove::Channel CdrChannel(TopicFeed::Channel id, const char* topic) {
@@ -57,42 +61,6 @@ std::span<const std::uint8_t> BundleIn(const std::vector<std::uint8_t>& cdr,
 }
 
 }  // namespace
-
-std::vector<foxglove::Channel> TopicFeed::Channels(bool mice, bool steers, bool of_course,
-                                                   bool teaches) {
-  std::vector<foxglove::Channel> channels = {
-      CdrChannel<wire::ToolState>(kToolState, dds::kToolStateTopic),
-      CdrChannel<wire::MovedState>(kMovedState, dds::kMovedStateTopic),
-      CdrChannel<wire::LoopStatistics>(kLoopStatistics, dds::kLoopStatisticsTopic),
-      CdrChannel<wire::StationStatistics>(kStationStatistics, dds::kStationStatisticsTopic),
-      CdrChannel<wire::SessionState>(kSessionState, dds::kSessionStateTopic),
-      CdrChannel<wire::SceneWhole>(kSceneWhole, dds::kSceneWholeTopic),
-      CdrChannel<wire::SceneBundle>(kSceneBundle, dds::kSceneBundleTopic),
-      CdrChannel<wire::SolidBlock>(kSolidBlock, dds::kSolidBlockTopic),
-      JsonChannel(kReplayContents, "replay_contents", "ReplayContents", kReplaySchema),
-      JsonChannel(kReplayState, "replay_state", "ReplayState", kReplaySchema),
-      JsonChannel(kGoal, "goal", "SceneGoal", kGoalSchema)};
-  if (mice) {
-    channels.push_back(JsonChannel(kMouseState, "mouse_state", "MouseState", kMouseSchema));
-  }
-  if (steers) {
-    channels.push_back(JsonChannel(kReplayAnswer, "replay_answer", "ReplayAnswer", kAnswerSchema));
-  }
-  if (of_course) channels.push_back(JsonChannel(kMe, "me", "Me", kObjectSchema));
-  if ((of_course && mice) || teaches) {
-    channels.push_back(JsonChannel(kExam, "exam_state", "ExamState", kObjectSchema));
-  }
-  if (of_course && mice) {
-    channels.push_back(JsonChannel(kExercises, "exercises", "Exercises", kObjectSchema));
-    channels.push_back(JsonChannel(kTrial, "trial_state", "TrialState", kObjectSchema));
-  }
-  if (teaches) {
-    channels.push_back(JsonChannel(kPeople, "people", "People", kObjectSchema));
-    channels.push_back(JsonChannel(kClassAnswer, "class_answer", "ClassAnswer", kObjectSchema));
-    channels.push_back(JsonChannel(kExamAnswer, "exam_answer", "ExamAnswer", kObjectSchema));
-  }
-  return channels;
-}
 
 /// The readers of what servers, stations and replayers send.
 struct TopicFeed::Readers {
@@ -241,7 +209,7 @@ void TopicFeed::TakeSeat(const FramePtr& frame, const wire::SceneBundle& seat,
 
 void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
                      const std::function<void(const wire::SessionState&)>& on_session,
-                     const std::function<void(const wire::SceneWhole&)>& on_whole) {
+                     const std::function<void(const wire::SceneWhole&, bool is_own)>& on_whole) {
   Succeed();
   if (progress_) progress_.Take(compiling_);
   // Scenes first: a station's scene must be known before the station.
@@ -277,7 +245,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
     });
     Keep(frame, sample.scene, 0);
     on_frame(frame);
-    on_whole(sample);
+    on_whole(sample, std::ranges::find(own_wishes_, sample.request) != own_wishes_.end());
   });
   Drain(
       readers_->sessions, kSessionState,
@@ -334,6 +302,26 @@ TopicFeed::Replay& TopicFeed::ReplayOf(std::uint64_t number) {
   return replays_[number];
 }
 
+bool TopicFeed::AskForWhole(const std::string& scene, wire::WholeWish wish, const std::string& by) {
+  if (!scenes_.contains(scene)) return false;
+  wire::WholeRequest request{};
+  wire::FromText(scene, request.scene);
+  request.request = RandomRun();
+  wire::FromText(by, request.by);
+  request.wish = wish;
+  own_wishes_.push_back(request.request);
+  if (own_wishes_.size() > kOwnWishes) own_wishes_.pop_front();
+  return wishes_ && wishes_.Write(request);
+}
+
+std::string TopicFeed::WhyAbsent(const std::string& scene) const {
+  if (!lives_) {
+    return server_run_ == 0 ? "there is no server yet"
+                            : "there is no server: the last one has ended";
+  }
+  return scenes_.contains(scene) ? "" : "no server serves scene '" + scene + "'";
+}
+
 std::string TopicFeed::Ask(const wire::ReplayRequest& request) {
   if (!replays_.contains(request.replay)) return "that replay has ended";
   if (!replay_requests_) return "this gateway's identity may watch, but not steer a replay";
@@ -377,6 +365,62 @@ std::vector<std::string> TopicFeed::stations() const {
   for (const auto& [station, session] : sessions_) {
     if (session.lives() && session.phase != palpate_SESSION_HELD) names.push_back(station);
   }
+  return names;
+}
+
+std::vector<foxglove::Channel> ChannelsFor(bool mice, bool steers, bool of_course, bool teaches) {
+  std::vector<foxglove::Channel> channels = {
+      CdrChannel<wire::ToolState>(TopicFeed::kToolState, dds::kToolStateTopic),
+      CdrChannel<wire::MovedState>(TopicFeed::kMovedState, dds::kMovedStateTopic),
+      CdrChannel<wire::LoopStatistics>(TopicFeed::kLoopStatistics, dds::kLoopStatisticsTopic),
+      CdrChannel<wire::StationStatistics>(TopicFeed::kStationStatistics,
+                                          dds::kStationStatisticsTopic),
+      CdrChannel<wire::SessionState>(TopicFeed::kSessionState, dds::kSessionStateTopic),
+      CdrChannel<wire::SceneWhole>(TopicFeed::kSceneWhole, dds::kSceneWholeTopic),
+      CdrChannel<wire::SceneBundle>(TopicFeed::kSceneBundle, dds::kSceneBundleTopic),
+      CdrChannel<wire::SolidBlock>(TopicFeed::kSolidBlock, dds::kSolidBlockTopic),
+      JsonChannel(TopicFeed::kReplayContents, "replay_contents", "ReplayContents", kReplaySchema),
+      JsonChannel(TopicFeed::kReplayState, "replay_state", "ReplayState", kReplaySchema),
+      JsonChannel(TopicFeed::kGoal, "goal", "SceneGoal", kGoalSchema)};
+  if (mice) {
+    channels.push_back(
+        JsonChannel(TopicFeed::kMouseState, "mouse_state", "MouseState", kMouseSchema));
+  }
+  if (steers) {
+    channels.push_back(
+        JsonChannel(TopicFeed::kReplayAnswer, "replay_answer", "ReplayAnswer", kAnswerSchema));
+  }
+  if (of_course) channels.push_back(JsonChannel(TopicFeed::kMe, "me", "Me", kObjectSchema));
+  if ((of_course && mice) || teaches) {
+    channels.push_back(JsonChannel(TopicFeed::kExam, "exam_state", "ExamState", kObjectSchema));
+  }
+  if (of_course && mice) {
+    channels.push_back(JsonChannel(TopicFeed::kExercises, "exercises", "Exercises", kObjectSchema));
+    channels.push_back(JsonChannel(TopicFeed::kTrial, "trial_state", "TrialState", kObjectSchema));
+  }
+  if (teaches) {
+    channels.push_back(JsonChannel(TopicFeed::kPeople, "people", "People", kObjectSchema));
+    channels.push_back(
+        JsonChannel(TopicFeed::kClassAnswer, "class_answer", "ClassAnswer", kObjectSchema));
+    channels.push_back(
+        JsonChannel(TopicFeed::kExamAnswer, "exam_answer", "ExamAnswer", kObjectSchema));
+  }
+  return channels;
+}
+
+FramePtr OwnFrame(TopicFeed::Channel channel, std::uint64_t instance, const std::string& json) {
+  auto frame = std::make_shared<Frame>();
+  frame->channel = channel;
+  frame->instance = instance;
+  frame->time_ns = WallClock_ns();
+  frame->payload.assign(json.begin(), json.end());
+  frame->state = true;
+  return frame;
+}
+
+std::set<std::string> NamesOf(const std::map<std::string, SceneBytes>& scenes) {
+  std::set<std::string> names;
+  for (const auto& [name, scene] : scenes) names.insert(name);
   return names;
 }
 

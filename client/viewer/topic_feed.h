@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -61,14 +62,6 @@ class TopicFeed {
     kExamAnswer,   ///< to each operator, about its commands
     kMovedState,
   };
-  /// Returns the channels that a viewer is offered.
-  /// @param mice       it may have a mouse.
-  /// @param steers     it may steer a replay.
-  /// @param of_course  its token is a person's of the course.
-  /// @param teaches    it may operate in the course.
-  static std::vector<foxglove::Channel> Channels(bool mice, bool steers, bool of_course = false,
-                                                 bool teaches = false);
-
   /// Throws Error if DDS fails.
   explicit TopicFeed(int domain, const dds::Network& network = {});
   ~TopicFeed();
@@ -79,15 +72,17 @@ class TopicFeed {
 
   /// Takes all new messages.
   /// @param on_frame  called for each frame.   @param on_session  also for each session state.
-  /// @param on_whole  also for each answer to a wish to restore a scene.
+  /// @param on_whole  also for each answer to a wish to restore a scene; `is_own`: to AskForWhole.
   void Poll(const std::function<void(const FramePtr&)>& on_frame,
             const std::function<void(const wire::SessionState&)>& on_session,
-            const std::function<void(const wire::SceneWhole&)>& on_whole = Nothing{});
+            const std::function<void(const wire::SceneWhole&, bool is_own)>& on_whole = Nothing{});
 
   /// Returns the frames that a new subscriber must get first.
   std::vector<FramePtr> Kept(std::uint32_t channel) const;
+  /// Asks the server to restore a scene, or for another WholeWish.  Returns false if there is
+  /// no such scene, or DDS fails.
+  bool AskForWhole(const std::string& scene, wire::WholeWish wish, const std::string& by);
   /// Forwards a request to the server.  Returns false if DDS fails.
-  bool Ask(const wire::WholeRequest& request) { return wishes_ && wishes_.Write(request); }
   bool Ask(const wire::OperateRequest& request) {
     return operate_requests_ && operate_requests_.Write(request);
   }
@@ -100,12 +95,15 @@ class TopicFeed {
   bool HasStation(const std::string& name) const;
   /// Returns whether a station has, or waits for, a tool of that scene.
   bool HasStationIn(const std::string& scene) const;
-  /// False if there is no server, or the last one has gone.
-  bool server_lives() const { return lives_; }
   /// Returns the progress of a server that still compiles its scenes; null: none does.
   const wire::SceneProgress* compiling() const;
-  /// The run number of the server that was heard last; 0: none.
-  std::uint64_t server_run() const { return server_run_; }
+  struct Server {
+    std::uint64_t run = 0;  ///< number of the one that was heard last; 0: none
+    bool lives = false;     ///< false if there is none, or the last one has gone
+  };
+  Server server() const { return {server_run_, lives_}; }
+  /// Returns why a scene's tools are not available now; empty: they are.
+  std::string WhyAbsent(const std::string& scene) const;
 
  private:
   /// The last messages of a replayer.
@@ -145,6 +143,7 @@ class TopicFeed {
   dds::Reader<wire::SceneProgress> progress_;
   std::unique_ptr<Readers> readers_;
   dds::Writer<wire::WholeRequest> wishes_;
+  std::deque<std::uint64_t> own_wishes_;  // the last of them, by number
   dds::Writer<wire::ReplayRequest> replay_requests_;
   dds::Writer<wire::OperateRequest> operate_requests_;
 
@@ -169,5 +168,19 @@ class TopicFeed {
   // By number.  Not in kept_: a replay that seeks speaks as a new server.
   std::map<std::uint64_t, Replay> replays_;
 };
+
+/// Returns the channels that a viewer is offered.
+/// @param mice       it may have a mouse.
+/// @param steers     it may steer a replay.
+/// @param of_course  its token is a person's of the course.
+/// @param teaches    it may operate in the course.
+std::vector<foxglove::Channel> ChannelsFor(bool mice, bool steers, bool of_course = false,
+                                           bool teaches = false);
+
+/// Makes a frame of the gateway's own.
+FramePtr OwnFrame(TopicFeed::Channel channel, std::uint64_t instance, const std::string& json);
+
+/// Returns the names of scenes, of TopicFeed::scenes.
+std::set<std::string> NamesOf(const std::map<std::string, SceneBytes>& scenes);
 
 }  // namespace palpate

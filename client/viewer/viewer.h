@@ -14,34 +14,40 @@
 
 namespace palpate {
 
+/// Who a viewer is.
+struct Guest {
+  std::uint64_t id = 0;
+  Visitor visitor;
+  std::optional<Tokens::Holder> holder;  ///< of its token
+  bool teaches = false;                  ///< it may operate in a course
+
+  /// Returns the person of the course; 0: none.
+  std::int64_t person() const { return holder ? holder->person : 0; }
+  /// Returns the token's name and the address, for the log and for wishes sent on.
+  std::string Who() const { return (holder ? holder->name : "the page") + " at " + visitor.name; }
+};
+
 /// One viewer as the hub knows it: who it is, and the frames that wait for it.  The connection
 /// behind it (viewer_session.h) knows the hub; the hub knows only this.
 /// Thread contract: the network thread.
 class Viewer {
  public:
-  /// @param teaches  it may operate in a course.
-  Viewer(std::uint64_t id, Visitor visitor, std::optional<Tokens::Holder> holder, bool teaches)
-      : id_(id), visitor_(std::move(visitor)), holder_(std::move(holder)), teaches_(teaches) {}
+  explicit Viewer(Guest guest) : guest_(std::move(guest)) {}
   virtual ~Viewer() = default;
 
-  std::uint64_t id() const { return id_; }
-  const Visitor& visitor() const { return visitor_; }
-  bool teaches() const { return teaches_; }
-  /// The holder of its token.
-  const std::optional<Tokens::Holder>& holder() const { return holder_; }
+  const Guest& guest() const { return guest_; }
+  std::uint64_t id() const { return guest_.id; }
   /// Takes over its token's new name.
   void Rename(const std::string& name, const std::string& station) {
-    holder_->name = name;
-    holder_->station = station;
-  }
-  /// The token's name and the address, for the log and for wishes sent on.
-  std::string Who() const {
-    return (holder_ ? holder_->name : "the page") + " at " + visitor_.name;
+    guest_.holder->name = name;
+    guest_.holder->station = station;
   }
 
   void Push(const FramePtr& frame, std::int64_t now_ns) { queue_.Push(frame, now_ns); }
-  std::uint64_t frames_lost() const { return queue_.lost(); }
-  std::uint64_t frames_sent() const { return frames_sent_; }
+  struct Frames {
+    std::uint64_t sent = 0, lost = 0;
+  };
+  Frames frames() const { return {frames_sent_, queue_.lost()}; }
 
   /// Writes a text or a frame that is due, unless a write is in flight.
   virtual void Flush(std::int64_t now_ns) = 0;
@@ -62,10 +68,7 @@ class Viewer {
   std::uint64_t frames_sent_ = 0;
 
  private:
-  std::uint64_t id_;
-  Visitor visitor_;
-  std::optional<Tokens::Holder> holder_;
-  bool teaches_;
+  Guest guest_;
 };
 
 }  // namespace palpate

@@ -40,6 +40,11 @@ struct ViewerLimits {
   /// Complaints sent to it; the next one says how many were left out.
   static constexpr Rate kComplaints{20, 500'000'000};
 
+  /// A tool that was not moved with the mouse for this long is taken from its viewer; and one whose
+  /// viewer has gone rests for so long, in case the viewer comes back.
+  static constexpr std::int64_t kMouseIdle_ns = 300'000'000'000;
+  static constexpr std::int64_t kMouseAway_ns = 30'000'000'000;
+
   // --- limits of wishes: per viewer, and for all viewers of an address together, since a class may
   // share an address and one host can open many viewers ---
 

@@ -28,20 +28,19 @@ constexpr const char* kTrialTopic = "/palpate/trial";
 
 }  // namespace
 
-ViewerSession::ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visitor visitor,
+ViewerSession::ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, const Visitor& visitor,
                              const Verdict& verdict)
-    : Viewer(id, std::move(visitor), verdict.holder,
-             hub.class_room() && verdict.access == Access::kOperate),
+    : Viewer({id, visitor, verdict.holder, hub.course() && verdict.access == Access::kOperate}),
       socket_(std::move(stream)),
       hub_(hub),
       access_(verdict.access),
       mouse_(access_ >= Access::kDrive && hub.options().max_mice > 0),
       steers_(access_ >= Access::kDrive && !hub.options().no_steering),
-      of_course_(hub.class_room() && verdict.holder && verdict.holder->person != 0),
+      of_course_(hub.course() && guest().person() != 0),
       rest_(socket_.get_executor()) {}
 
 std::vector<foxglove::Channel> ViewerSession::Channels() const {
-  return TopicFeed::Channels(mouse_, steers_, of_course_, teaches());
+  return ChannelsFor(mouse_, steers_, of_course_, guest().teaches);
 }
 
 void ViewerSession::Accept(const Request& request, std::string_view subprotocol) {
@@ -77,9 +76,9 @@ void ViewerSession::Accept(const Request& request, std::string_view subprotocol)
 void ViewerSession::Open() {
   open_ = true;
   signs_.Heard();
-  spdlog::debug("viewer {} has come", Who());
+  spdlog::debug("viewer {} has come", guest().Who());
   const bool publishes = mouse_ || steers_ || access_ == Access::kOperate;
-  Send(foxglove::ServerInfo(hub_.session_id(), publishes, RoleName(access_)));
+  Send(foxglove::ServerInfo(hub_.viewers().session_id(), publishes, RoleName(access_)));
   Send(foxglove::Advertise(Channels()));
   Read();
 }
@@ -87,7 +86,7 @@ void ViewerSession::Open() {
 void ViewerSession::Gone() {
   if (std::exchange(gone_, true)) return;
   open_ = false;
-  spdlog::debug("viewer {} has gone", Who());
+  spdlog::debug("viewer {} has gone", guest().Who());
   rest_.cancel();
   socket_.next_layer().next_layer().close();
   hub_.Leave(*this);
@@ -137,7 +136,7 @@ void ViewerSession::ReadOn(std::int64_t now_ns) {
                           std::to_string(static_cast<int>(ViewerLimits::kMessagesPerSecond)) +
                           " messages a second; they are read later";
   if (!std::exchange(told_of_flood_, true)) Say(foxglove::Level::kWarning, why);
-  hub_.refusals().Say(Refusal::kFlood, Who(), why, now_ns);
+  hub_.viewers().refusals().Say(Refusal::kFlood, guest().Who(), why, now_ns);
   rest_.expires_after(std::chrono::nanoseconds(wait_ns));
   rest_.async_wait([self = shared_from_this()](boost::system::error_code stopped) {
     if (!stopped && !self->gone_) self->Read();
@@ -167,8 +166,8 @@ std::array<ViewerSession::Topic, 6> ViewerSession::Topics() const {
   return {{{"/palpate/replay", steers_, &ViewerSession::OnReplay},
            {"/palpate/mouse", mouse_, &ViewerSession::OnMouse},
            {kOperateTopic, access_ == Access::kOperate, &ViewerSession::OnOperate},
-           {"/palpate/class", teaches(), &ViewerSession::OnClass},
-           {"/palpate/exam", teaches(), &ViewerSession::OnExam},
+           {"/palpate/class", guest().teaches, &ViewerSession::OnClass},
+           {"/palpate/exam", guest().teaches, &ViewerSession::OnExam},
            {kTrialTopic, of_course_ && mouse_, &ViewerSession::OnTrial}}};
 }
 
@@ -181,12 +180,12 @@ void ViewerSession::Publish(const foxglove::ClientChannel& channel) {
   const std::string why =
       "channel " + Quoted(channel.topic) + " is of no use here: " + WhatIsOfUse();
   Say(foxglove::Level::kWarning, why);
-  hub_.refusals().Say(Refusal::kRole, Who(), why, SteadyNanoseconds());
+  hub_.viewers().refusals().Say(Refusal::kRole, guest().Who(), why, SteadyNanoseconds());
 }
 
 std::string ViewerSession::WhatIsOfUse() const {
   if (access_ < Access::kDrive) {
-    return hub_.gate().tokens()
+    return hub_.rights().gate().tokens()
                ? "this client may only watch: its token's role is watch, or its page is not from "
                  "this gateway"
                : "this client may look, and publish nothing (palpate-viewer --allow-origin)";
@@ -201,7 +200,7 @@ std::string ViewerSession::WhatIsOfUse() const {
     use += (use.empty() ? "" : "; ") + std::string(reason);
   };
   if (!operates) {
-    add(hub_.gate().tokens()
+    add(hub_.rights().gate().tokens()
             ? "to decide about stations is for tokens of the role operate, on this gateway's page"
             : "to decide about stations is for pages at the gateway's own host, or for tokens of "
               "the "
@@ -228,21 +227,19 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
     }
     const bool rated =
         wanted.channel == TopicFeed::kToolState || wanted.channel == TopicFeed::kMovedState;
-    if (!hub_.RefuseWish(Wish::kSubscribe, *this, now_ns).empty()) continue;
+    if (!hub_.viewers().Refuse(Wish::kSubscribe, *this, now_ns).empty()) continue;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);
-    hub_.places().Subscribed(id());
+    hub_.viewers().places().Subscribed(id());
     for (const FramePtr& frame : hub_.feed().Kept(wanted.channel)) queue_.Push(frame, now_ns);
     if (wanted.channel == TopicFeed::kGoal) {
-      for (const auto& [scene, goal] : hub_.goals()) queue_.Push(goal, now_ns);
+      for (const auto& [scene, goal] : hub_.server().goals()) queue_.Push(goal, now_ns);
     }
-    if (wanted.channel == TopicFeed::kMe) queue_.Push(hub_.OwnFrameOf(*this), now_ns);
-    if (wanted.channel == TopicFeed::kExercises) {
-      queue_.Push(hub_.ExercisesFrameOf(*this), now_ns);
+    if (hub_.course() != nullptr) {
+      const FramePtr kept = hub_.course()->Kept(wanted.channel, *this);
+      if (kept) queue_.Push(kept, now_ns);
     }
-    if (wanted.channel == TopicFeed::kTrial) hub_.Return(*this, now_ns);
-    if (wanted.channel == TopicFeed::kExam) queue_.Push(hub_.ExamFrameOf(*this), now_ns);
-    if (wanted.channel == TopicFeed::kPeople) queue_.Push(hub_.PeopleFrame(), now_ns);
+    if (wanted.channel == TopicFeed::kTrial) hub_.tools().Return(*this, now_ns);
     if (wanted.channel == TopicFeed::kMouseState && mouse_state_) queue_.Push(mouse_state_, now_ns);
   }
 }
@@ -264,70 +261,61 @@ std::string ViewerSession::OnBinary(std::span<const std::uint8_t> bytes) {
 
 void ViewerSession::OnMouse(std::string_view payload) {
   const MouseCommand command = ParseMouseCommand(payload);
-  MouseRoom& mice = hub_.mice();
+  MouseRoom& mice = hub_.tools().mice();
   const std::int64_t now_ns = SteadyNanoseconds();
   switch (command.op) {
     case MouseCommand::Op::kTake:
-      return hub_.Take(*this, command, now_ns);
+      return hub_.tools().Take(*this, command, now_ns);
     case MouseCommand::Op::kPose:
       return mice.Drag(id(), command.X_WT, command.still, now_ns);
     case MouseCommand::Op::kRelease:
       return mice.Release(id(), "", now_ns);
     case MouseCommand::Op::kWhole:
     case MouseCommand::Op::kBookmark:
-    case MouseCommand::Op::kBack: {
-      if (!hub_.RefuseWish(Wish::kWhole, *this, now_ns).empty()) return;
-      if (const std::string why = hub_.WhyNotRestore(*this, command.scene); !why.empty()) {
-        return Say(foxglove::Level::kError, why);
-      }
-      const wire::WholeWish wish = command.op == MouseCommand::Op::kWhole  ? palpate_WHOLE_AGAIN
-                                   : command.op == MouseCommand::Op::kBack ? palpate_WHOLE_BACK
-                                                                           : palpate_WHOLE_BOOKMARK;
-      if (!hub_.AskForWhole(command.scene, wish, Who())) {
-        Say(foxglove::Level::kError, "scene " + Quoted(command.scene) + " is not served here");
-      }
-      return;
-    }
+    case MouseCommand::Op::kBack:
+      return hub_.tools().Restore(*this, command, now_ns);
   }
 }
 
 void ViewerSession::OnReplay(std::string_view payload) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  queue_.Push(hub_.AskReplay(ParseReplayWish(payload), *this, now_ns), now_ns);  // OnRead flushes
+  queue_.Push(hub_.server().AskReplay(ParseReplayWish(payload), *this, now_ns),
+              now_ns);  // OnRead flushes
 }
 
 void ViewerSession::OnOperate(std::string_view payload) {
   const OperateCommand command = ParseOperateCommand(payload);
-  if (!hub_.RefuseWish(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
-  const std::string refusal = hub_.Operate(command, Who());
+  if (!hub_.viewers().Refuse(Wish::kOperate, *this, SteadyNanoseconds()).empty()) return;
+  const std::string refusal = hub_.server().Operate(command, guest().Who());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kOperateTopic) + ": " + refusal);
 }
 
 void ViewerSession::OnClass(std::string_view payload) {
   const ClassCommand command = ParseClassCommand(payload);
   const std::int64_t now_ns = SteadyNanoseconds();
-  if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
-  queue_.Push(hub_.Teach(command, *this), now_ns);
+  if (!hub_.viewers().Refuse(Wish::kOperate, *this, now_ns).empty()) return;
+  queue_.Push(hub_.course()->Teach(command, *this), now_ns);
 }
 
 void ViewerSession::OnExam(std::string_view payload) {
   const std::int64_t now_ns = SteadyNanoseconds();
-  if (!hub_.RefuseWish(Wish::kOperate, *this, now_ns).empty()) return;
-  queue_.Push(hub_.Examine(payload, now_ns), now_ns);
+  if (!hub_.viewers().Refuse(Wish::kOperate, *this, now_ns).empty()) return;
+  queue_.Push(hub_.course()->Examine(payload, now_ns), now_ns);
 }
 
 void ViewerSession::OnTrial(std::string_view payload) {
-  const std::string refusal = hub_.Try(ParseTrialCommand(payload), *this, SteadyNanoseconds());
+  const std::string refusal =
+      hub_.course()->Try(ParseTrialCommand(payload), *this, SteadyNanoseconds());
   if (!refusal.empty()) Say(foxglove::Level::kError, std::string(kTrialTopic) + ": " + refusal);
 }
 
 void ViewerSession::Watch(std::int64_t now_ns) {
   if (closing_ && now_ns - closing_ns_ > ViewerLimits::kFarewell_ns) return Gone();
-  if (!open_ || !hub_.mice().holds(id())) return;
+  if (!open_ || !hub_.tools().mice().holds(id())) return;
   if (!signs_.Look(now_ns)) {
-    return hub_.Miss(id(), "the page sent nothing for 3 s", now_ns);
+    return hub_.tools().Miss(id(), "the page sent nothing for 3 s", now_ns);
   }
-  hub_.mice().Return(id(), id(), now_ns);  // if it was silent
+  hub_.tools().mice().Return(id(), id(), now_ns);  // if it was silent
   if (pinging_ || !signs_.Ask()) return;
   pinging_ = true;
   socket_.async_ping({}, [self = shared_from_this()](beast::error_code) {
@@ -404,7 +392,7 @@ void ViewerSession::OnWritten(beast::error_code error) {
   if (error) return Gone();
   if (frame_.frame && text_.empty()) {
     ++frames_sent_;
-    hub_.CountSent(frame_.frame->payload.size());
+    hub_.viewers().CountSent(frame_.frame->payload.size());
     frame_ = {};
   }
   text_.clear();

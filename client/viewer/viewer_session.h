@@ -34,7 +34,7 @@ class ViewerSession : public Viewer, public std::enable_shared_from_this<ViewerS
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
   /// @param verdict  what it may do, and its token's holder.
-  ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, Visitor visitor,
+  ViewerSession(WebStream stream, Hub& hub, std::uint64_t id, const Visitor& visitor,
                 const Verdict& verdict);
 
   /// Answers the handshake, then reads and writes until the viewer has gone.

@@ -116,7 +116,7 @@ class ExamAttack : public testing::Test {
                                           [this](const TrialRoom::News& news) {
                                             phases_[news.person] = news.phase;
                                             if (exams_ && news.phase != "preparing")
-                                              exams_->Heard(news);
+                                              exams_->ReadOf(news.person);
                                           });
     exams_ = std::make_unique<ExamRoom>(course_, *file_, *roster_, *trials_, now_s_);
   }

@@ -98,7 +98,8 @@ class ExamTest : public testing::Test {
         std::make_unique<TrialRoom>(TrialRoom::Options{folder_ / "course", folder_.path(), {}},
                                     *file_, [this](const TrialRoom::News& news) {
                                       phase_ = news.phase;
-                                      if (exams_ && news.phase != "preparing") exams_->Heard(news);
+                                      if (exams_ && news.phase != "preparing")
+                                        exams_->ReadOf(news.person);
                                     });
     exams_ = std::make_unique<ExamRoom>(folder_ / "course", *file_, *roster_, *trials_, now_s_);
   }
@@ -258,7 +259,7 @@ TEST_F(ExamTest, TakesNoTimeFromWhoWaitsForASeatAndGivesItToTheFirst) {
   EXPECT_EQ(turn_of(anna_)["scene"], "periodontal");
   EXPECT_EQ(turn_of(ben)["scene"], "calculus") << "who begins elsewhere";
   EXPECT_EQ(turn_of(anna_)["phase"], "ready");
-  EXPECT_EQ(exams_->SeatToBegin(anna_, now_s_, seats), "");
+  EXPECT_EQ(exams_->SeatToBegin(anna_, "light-force", now_s_, seats), "");
   now_s_ += 100;
   EXPECT_EQ(turn_of(anna_)["phase"], "waits");
   EXPECT_EQ(turn_of(anna_)["waits_s"], 100);
@@ -285,8 +286,9 @@ TEST_F(ExamTest, TakesNoTimeFromWhoWaitsForASeatAndGivesItToTheFirst) {
   EXPECT_EQ(roll.trials.at(0).waited_s, 100);
   now_s_ += 480;  // the time of those who have not waited
   exams_->Poll(now_s_);
-  EXPECT_THAT(ComplaintOf([&] { exams_->TaskToBegin(ben, "supragingival-calculus", now_s_); }),
-              HasSubstr("time is over"));
+  EXPECT_THAT(
+      ComplaintOf([&] { exams_->SeatToBegin(ben, "supragingival-calculus", now_s_, seats); }),
+      HasSubstr("time is over"));
   EXPECT_EQ(Begin("supragingival-calculus"), kGood);
 }
 
@@ -339,12 +341,12 @@ TEST_F(ExamTest, EndsTheKeysOfScorePagesOfThoseWhoSitIt) {
   ASSERT_TRUE(Comes([&] { return phase_ == "running"; }));
   trials_->End(7, "stopped");
   ASSERT_TRUE(Comes([&] { return phase_ == "scored"; }));
-  const auto key = [&] { return trials_->PagesOf(anna_).at({"light-force", 1}); };
+  const auto key = [&] { return trials_->pages().PagesOf(anna_).at({"light-force", 1}); };
   const std::string before = key();
-  EXPECT_EQ(trials_->PageOf(before), theirs + "/1/score.html");
+  EXPECT_EQ(trials_->pages().PageOf(before), theirs + "/1/score.html");
   ASSERT_EQ(Open(), "");
-  EXPECT_EQ(trials_->PageOf(before), "");
-  EXPECT_EQ(trials_->PageOf(key()), theirs + "/1/score.html") << "only teachers may read";
+  EXPECT_EQ(trials_->pages().PageOf(before), "");
+  EXPECT_EQ(trials_->pages().PageOf(key()), theirs + "/1/score.html") << "only teachers may read";
 }
 
 TEST_F(ExamTest, IsNotScoredByOtherCriteriaThanThoseItWasOpenedWith) {

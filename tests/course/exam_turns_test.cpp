@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 
 #include "tests/support/folder.h"
@@ -25,15 +24,12 @@ TEST(ExamOrder, LetsNeighboursBeginAtDifferentScenesAndKeepsAScenesTasksTogether
 class ExamTurnsTest : public testing::Test {
  protected:
   void SetUp() override {
-    const ExamTurns table(file_);
-    file_.Use([](SQLite::Database& database) {
-      for (const int person : {1, 2, 3, 4}) ExamTurns::Store(database, 7, person, {1, 0});
-    });
+    for (const int person : {1, 2, 3, 4}) table_.Keep(7, {person, {1, 0}});
     Start();
   }
   /// Starts, or starts again as after a kill.
   void Start() {
-    turns_ = std::make_unique<ExamTurns>(file_);
+    turns_ = std::make_unique<ExamTurns>(table_);
     turns_->Read(7, {1, 2, 3, 4}, 2);
   }
   static std::string SceneOf(std::int64_t person) { return person == 4 ? "caries" : "crown"; }
@@ -52,12 +48,13 @@ class ExamTurnsTest : public testing::Test {
   std::string SeatOf(std::int64_t person) { return turns_->Of(person).seat; }
   void Begin(std::int64_t person) {
     free_.erase(SeatOf(person));
-    file_.Use([&](SQLite::Database& database) { turns_->Begin(database, person); });
+    turns_->Begin(person);
     turns_->Begun(person);
   }
 
   const Folder folder_;
   CourseFile file_{folder_.path()};
+  ExamTable table_{file_};
   std::unique_ptr<ExamTurns> turns_;
   std::set<std::string> free_;
   std::set<std::int64_t> away_;

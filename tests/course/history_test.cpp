@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 
 TrialRow Trial(int n, std::optional<double> points, const std::string& marks = "",
                std::int64_t person = 1, const std::string& exercise = "walk") {
-  return {person, exercise, n, 1'000, 1'060, "stopped", true, points, false, marks, {}};
+  return {person, exercise, n, 1'000, 1'060, "stopped", true, points, false, marks, {}, true};
 }
 std::vector<TrialRow> Series(const std::vector<double>& points) {
   std::vector<TrialRow> rows;
@@ -263,24 +263,22 @@ TEST(History, ShowsAPersonTheClassOnlyWhereItIsNoSinglePerson) {
 TEST(History, IsReadFromTheCourseWithItsGaps) {
   const Folder folder;
   CourseFile file(folder / "course");
-  EXPECT_THAT(ReadTrials(file), IsEmpty()) << "no table yet";
+  const TrialTable table(file);
+  EXPECT_THAT(table.Ended(), IsEmpty());
   file.Use([](SQLite::Database& database) {
     database.exec(
-        "CREATE TABLE trials(person INTEGER, exercise TEXT, n INTEGER, begun_s INTEGER, ended_s "
-        "INTEGER, reason TEXT, whole INTEGER, points REAL, passed INTEGER, marks TEXT, submitted_s "
-        "INTEGER, seal TEXT, PRIMARY KEY(person, exercise, n));"
         "INSERT INTO trials VALUES(2, 'walk', 2, 5, 6, NULL, NULL, NULL, NULL, NULL, NULL, NULL);"
         "INSERT INTO trials VALUES(2, 'walk', 1, 5, 6, 'stopped', 1, 70.5, 1, '[]', 9, NULL);"
         "INSERT INTO trials VALUES(2, 'walk', 3, 5, NULL, NULL, NULL, NULL, NULL, NULL, NULL, "
         "NULL);"
         "INSERT INTO trials VALUES(1, 'walk', 1, 5, 6, 'stopped', 1, 60, 0, '[]', NULL, NULL);");
   });
-  const auto rows = ReadTrials(file);
+  const auto rows = table.Ended();
   ASSERT_EQ(rows.size(), 3u) << "one runs";
   EXPECT_EQ(rows[1].points, 70.5);
   EXPECT_EQ(rows[1].submitted_s, 9);
   EXPECT_FALSE(rows[2].counts());
-  EXPECT_EQ(ReadTrials(file, 1).size(), 1u);
+  EXPECT_EQ(table.Ended(1).size(), 1u);
 }
 
 TEST(Csv, IsThatOfRfc4180AndRunsInNoSpreadsheet) {

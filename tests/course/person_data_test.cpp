@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "client/course/history.h"
+#include "client/course/trial_table.h"
 #include "tests/support/complaint.h"
 #include "tests/support/folder.h"
 
@@ -35,12 +35,9 @@ class PersonDataTest : public testing::Test {
     CourseFile file(course_);
     Roster roster(file);
     roster.Make({"Anna Quartz", "Ben"}, Access::kDrive);
+    const TrialTable trials(file);
     file.Use([](SQLite::Database& database) {
-      database.exec(
-          "CREATE TABLE trials(person INTEGER, exercise TEXT, n INTEGER, begun_s INTEGER, ended_s "
-          "INTEGER, reason TEXT, whole INTEGER, points REAL, passed INTEGER, marks TEXT, "
-          "submitted_s INTEGER, PRIMARY KEY(person, exercise, n));"
-          "CREATE TABLE seals(seal TEXT, person INTEGER);");
+      database.exec("CREATE TABLE seals(seal TEXT, person INTEGER);");
       for (const int person : {1, 2}) {
         for (const int n : {1, 2}) {
           database.exec(
@@ -176,7 +173,7 @@ TEST_F(PersonDataTest, IsNeverHalfThereWhereItsDeletionIsKilled) {
     CourseFile file(course_);
     const Roster roster(file);
     const bool listed = roster.Find(1) != nullptr;
-    EXPECT_EQ(!ReadTrials(file, 1).empty(), listed);
+    EXPECT_EQ(!TrialTable(file).Ended(1).empty(), listed);
     EXPECT_TRUE(!listed || IsWhole(FolderOf(1)));
     FinishDeletions(file, course_);
     EXPECT_EQ(fs::exists(FolderOf(1).parent_path()), listed) << after_us;

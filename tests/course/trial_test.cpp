@@ -63,7 +63,7 @@ class TrialTest : public testing::Test {
   }
   /// What the person's page is told about that trial.
   nlohmann::json Done(std::size_t at) {
-    const auto list = nlohmann::json::parse(room_->ListJson(3));
+    const auto list = nlohmann::json::parse(room_->pages().ListJson(3));
     for (const auto& exercise : list["exercises"]) {
       if (exercise["name"] == "light-force") return exercise["done"].at(at);
     }
@@ -83,24 +83,24 @@ TEST_F(TrialTest, IsRecordedThenScoredAndMayBeSubmitted) {
   EXPECT_THAT(ReadWholeFile(folder_ / "words"), HasSubstr("--await-scene=periodontal-3"));
   EXPECT_EQ(news_.back().left_s, 90.0);
   EXPECT_THAT(ComplaintOf([&] { Begin(); }), HasSubstr("a trial of yours is running"));
-  EXPECT_TRUE(room_->has_one_of(3));
-  EXPECT_TRUE(room_->is_in("periodontal-3"));
-  EXPECT_FALSE(room_->is_in("periodontal"));
+  EXPECT_TRUE(room_->now().has_one_of(3));
+  EXPECT_TRUE(room_->now().is_in("periodontal-3"));
+  EXPECT_FALSE(room_->now().is_in("periodontal"));
   room_->End(8, "another's");
   room_->End(7, "stopped");
   ASSERT_TRUE(Comes("scored"));
-  EXPECT_EQ(room_->size(), 0u);
-  EXPECT_FALSE(room_->has_one_of(3));
-  EXPECT_FALSE(room_->is_in("periodontal-3"));
+  EXPECT_EQ(room_->now().size(), 0u);
+  EXPECT_FALSE(room_->now().has_one_of(3));
+  EXPECT_FALSE(room_->now().is_in("periodontal-3"));
   EXPECT_EQ(news_.back().reason, "stopped");
   EXPECT_TRUE(news_.back().whole && news_.back().passed);
   EXPECT_EQ(news_.back().points, 81.5);
-  const std::string page = room_->PageOf(news_.back().page);
+  const std::string page = room_->pages().PageOf(news_.back().page);
   EXPECT_THAT(page, HasSubstr("/trials/3/light-force/1/score.html"));
-  EXPECT_EQ(room_->PageOf("0"), "");
+  EXPECT_EQ(room_->pages().PageOf("0"), "");
   const std::pair<std::string, int> first{"light-force", 1};
-  EXPECT_EQ(room_->PagesOf(3).at(first), news_.back().page);
-  EXPECT_TRUE(room_->PagesOf(4).empty());
+  EXPECT_EQ(room_->pages().PagesOf(3).at(first), news_.back().page);
+  EXPECT_TRUE(room_->pages().PagesOf(4).empty());
   EXPECT_EQ(Done(0)["points"], 81.5);
   EXPECT_EQ(Done(0)["submitted"], false);
   room_->Submit(7, 3, "light-force", 1);
@@ -134,7 +134,7 @@ TEST_F(TrialTest, WaitsWithItsScoreWhileAnotherProgramHoldsTheCoursesFile) {
     room_->Poll(now_ns_);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  EXPECT_EQ(room_->size(), 1u);
+  EXPECT_EQ(room_->now().size(), 1u);
   EXPECT_NE(news_.back().phase, "unscored");
   other.exec("COMMIT");
   ASSERT_TRUE(Eventually([&] {
@@ -178,14 +178,14 @@ TEST_F(TrialTest, EndsByItsTimeAndWhereItIsSubmitted) {
 
 TEST_F(TrialTest, GoesOnWithThePageThatComesInPlaceOfAnother) {
   Begin();
-  EXPECT_EQ(room_->HolderOf(3), 0u) << "it does not run yet";
+  EXPECT_EQ(room_->now().HolderOf(3), 0u) << "it does not run yet";
   ASSERT_TRUE(Comes("running"));
-  EXPECT_EQ(room_->HolderOf(3), 7u);
+  EXPECT_EQ(room_->now().HolderOf(3), 7u);
   room_->Return(7, 9, now_ns_ + 20'000'000'000);
   EXPECT_EQ(news_.back().holder, 9u);
   EXPECT_NEAR(news_.back().left_s, 70.0, 1e-6);
-  EXPECT_TRUE(room_->is_running(9));
-  EXPECT_FALSE(room_->is_running(7));
+  EXPECT_TRUE(room_->now().is_running(9));
+  EXPECT_FALSE(room_->now().is_running(7));
 }
 
 TEST_F(TrialTest, DoesNotCountWhereItWasCutShort) {
@@ -268,7 +268,7 @@ TEST_F(TrialTest, IsMarkedAsCutShortWhereTheGatewayWasKilledAndScoredByTheNext) 
   room_->End(7, "stopped");
   ASSERT_TRUE(Eventually([&] {
     room_->Poll(now_ns_);
-    return room_->size() == 0;
+    return room_->now().size() == 0;
   }));
   EXPECT_EQ(Done(0)["points"], 81.5);
   EXPECT_EQ(Done(0)["whole"], false);
@@ -297,7 +297,7 @@ TEST_F(TrialTest, IsScoredByTheNextGatewayWhereScoringFailedOrWasCutOff) {
   room_->ScoreLeftovers();
   ASSERT_TRUE(Eventually([&] {
     room_->Poll(now_ns_);
-    return room_->size() == 0;
+    return room_->now().size() == 0;
   }));
   for (const std::size_t at : {0u, 1u}) {
     EXPECT_EQ(Done(at)["points"], 81.5);
@@ -323,7 +323,7 @@ TEST_F(TrialTest, IsScoredInItsTurnWhereManyEndAtOnce) {
   }
   ASSERT_TRUE(Eventually([&] {
     room_->Poll(now_ns_);
-    return room_->size() == 0;
+    return room_->now().size() == 0;
   }));
   EXPECT_EQ(std::ranges::count(news_, "scored", &TrialRoom::News::phase), 12);
   std::ifstream most(folder_ / "most");
@@ -360,7 +360,7 @@ TEST_F(TrialTest, IsUnscoredWhereItsScoringHangsAndScoredAtTheNextStart) {
   room_->ScoreLeftovers();
   ASSERT_TRUE(Eventually([&] {
     room_->Poll(now_ns_);
-    return room_->size() == 0;
+    return room_->now().size() == 0;
   }));
   EXPECT_EQ(Done(0)["points"], 81.5);
   EXPECT_EQ(Done(0)["reason"], "stopped");

@@ -99,12 +99,17 @@ const std::vector<Rule> kRules = {
      {"common/dds"},
      {"Eigen", "spdlog", "nlohmann-json", "Boost"}},
     {"devices/spacemouse", {"common", "devices"}, {"common/dds"}, {"Eigen", "spdlog", "spacenav"}},
-    // Neither DDS nor sockets: what the people of a course may do and did, in SQLite; OpenSSL for
-    // tokens, minizip for what a person is given, ICU for their names.
+    // Neither DDS nor sockets: what the people of a course may do and did; OpenSSL for tokens,
+    // minizip for what a person is given, ICU for their names.  SQL is for its tables alone.
     {"client/course",
      {"common", "scenes", "client/course"},
-     {"common/dds"},
-     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "SQLite", "minizip", "ICU"}},
+     {"common/dds", "client/course/sql.h"},
+     {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "minizip", "ICU"}},
+    {"client/course/course_file.cpp", {"common", "client/course"}, {}, {"spdlog", "SQLite"}},
+    {"client/course/sql.h", {"client/course"}, {}, {"SQLite"}},
+    {"client/course/exam_table.cpp", {"common", "client/course"}, {}, {"spdlog", "nlohmann-json"}},
+    {"client/course/roster_table.cpp", {"common", "client/course"}, {}, {}},
+    {"client/course/trial_table.cpp", {"client/course"}, {}, {}},
     // Never the server or another client; the own folder is added below.  Boost for HTTP servers
     // and WebSockets (Asio, Beast); OpenSSL for TLS; zlib to send a scene compressed.
     {"client/viewer",

@@ -9,66 +9,68 @@ namespace palpate {
 namespace {
 
 using testing::ElementsAre;
-using What = ReplayOptions::What;
-
-std::optional<ReplayOptions> Parse(const std::vector<const char*>& words) {
-  return test::ParseWith(ParseReplayOptions, words);
+void Parse(const std::vector<const char*>& words) {
+  test::ParseWith(ParseReplayOptions, words);
+}
+/// Returns the options of a command; throws std::bad_variant_access if it is another one.
+template <class Command>
+Command Parse(const std::vector<const char*>& words) {
+  return std::get<Command>(test::ParseWith(ParseReplayOptions, words)->command);
 }
 
 TEST(ReplayOptions, PlayToViewersUnlessToldOtherwise) {
-  const auto options = Parse({"a.mcap", "b.mcap"});
-  ASSERT_TRUE(options);
-  EXPECT_EQ(options->what, What::kPlay);
-  EXPECT_THAT(options->playback.files, ElementsAre("a.mcap", "b.mcap"));
-  EXPECT_EQ(options->playback.rate, 1.0);
-  EXPECT_FALSE(options->playback.loop);
+  const auto options = Parse<PlayCommand>({"a.mcap", "b.mcap"});
+  EXPECT_THAT(options.playback.files, ElementsAre("a.mcap", "b.mcap"));
+  EXPECT_EQ(options.playback.rate, 1.0);
+  EXPECT_FALSE(options.playback.loop);
 }
 
 TEST(ReplayOptions, VerifyGuideAndScore) {
-  EXPECT_EQ(Parse({"a.mcap", "--verify"})->what, What::kVerify);
-  const auto command = Parse({"verify", "a.mcap", "--scene", "cube"});
-  EXPECT_EQ(command->what, What::kVerify);
-  EXPECT_EQ(command->playback.files, std::vector<std::string>{"a.mcap"});
-  EXPECT_EQ(Parse({"a.mcap", "--guide", "hand"})->what, What::kGuide);
-  const auto score = Parse({"score", "a.mcap", "b.mcap", "--out", "report"});
-  EXPECT_EQ(score->what, What::kScore);
-  EXPECT_EQ(score->score.expert, "a.mcap");
-  EXPECT_THAT(score->score.trials, testing::ElementsAre("b.mcap"));
+  EXPECT_FALSE(Parse<VerifyCommand>({"a.mcap", "--verify"}).key);
+  const auto command = Parse<VerifyCommand>({"verify", "a.mcap", "--scene", "cube"});
+  EXPECT_THAT(command.files, ElementsAre("a.mcap"));
+  EXPECT_EQ(command.verify.scene, "cube");
+  EXPECT_EQ(Parse<GuideCommand>({"a.mcap", "--guide", "hand"}).guide.led, "hand");
+  const auto score = Parse<ScoreCommand>({"score", "a.mcap", "b.mcap", "--out", "report"});
+  EXPECT_EQ(score.score.expert, "a.mcap");
+  EXPECT_THAT(score.score.trials, ElementsAre("b.mcap"));
+  EXPECT_EQ(score.out, "report");
 }
 
 TEST(ReplayOptions, ExportColumnsOrWhatBursLeft) {
-  EXPECT_EQ(Parse({"export", "a.mcap", "-o", "out"})->what, What::kExport);
-  EXPECT_FALSE(Parse({"export", "a.mcap", "-o", "out"})->exports_solids);
-  const auto solids = Parse({"export", "a.mcap", "-o", "out", "--solids", "--at", "20"});
-  EXPECT_EQ(solids->what, What::kExport);
-  EXPECT_TRUE(solids->exports_solids);
-  EXPECT_THAT(solids->solids.files, ElementsAre("a.mcap"));
-  EXPECT_EQ(solids->solids.folder, "out");
-  EXPECT_EQ(solids->solids.at_s, 20.0);
+  EXPECT_FALSE(Parse<ExportCommand>({"export", "a.mcap", "-o", "out"}).exports_solids);
+  const auto solids =
+      Parse<ExportCommand>({"export", "a.mcap", "-o", "out", "--solids", "--at", "20"});
+  EXPECT_TRUE(solids.exports_solids);
+  EXPECT_THAT(solids.solids.files, ElementsAre("a.mcap"));
+  EXPECT_EQ(solids.solids.folder, "out");
+  EXPECT_EQ(solids.solids.at_s, 20.0);
   EXPECT_THROW(Parse({"export", "a.mcap", "-o", "out", "--at", "20"}), UsageError);
   EXPECT_THROW(Parse({"export", "a.mcap", "-o", "out", "--solids", "--format", "npy"}), UsageError);
 }
 
 TEST(ReplayOptions, SayWhoseSessionIsMeant) {
-  const auto score = Parse({"score", "--station", "anna", "a.mcap", "b.mcap", "c.mcap", "--station",
-                            "ben/0000000000000001", "--expert-station", "teacher"});
-  EXPECT_THAT(score->score.stations, ElementsAre("anna", "ben/0000000000000001"));
-  EXPECT_EQ(score->score.expert_station, "teacher");
-  EXPECT_THAT(score->score.trials, ElementsAre("b.mcap", "c.mcap"));
+  const auto score =
+      Parse<ScoreCommand>({"score", "--station", "anna", "a.mcap", "b.mcap", "c.mcap", "--station",
+                           "ben/0000000000000001", "--expert-station", "teacher"});
+  EXPECT_THAT(score.score.stations, ElementsAre("anna", "ben/0000000000000001"));
+  EXPECT_EQ(score.score.expert_station, "teacher");
+  EXPECT_THAT(score.score.trials, ElementsAre("b.mcap", "c.mcap"));
   EXPECT_THROW(Parse({"score", "a.mcap", "b.mcap", "--station", "anna", "--station", "ben"}),
                UsageError);
-  EXPECT_EQ(Parse({"a.mcap", "--guide", "hand", "--station", "anna"})->guide.station, "anna");
+  EXPECT_EQ(Parse<GuideCommand>({"a.mcap", "--guide", "hand", "--station", "anna"}).guide.station,
+            "anna");
   EXPECT_THROW(Parse({"a.mcap", "--station", "anna"}), UsageError);
 }
 
 TEST(ReplayOptions, SayWhoSteersAndWhatComesAtTheEnd) {
-  const auto plain = Parse({"a.mcap"});
-  EXPECT_FALSE(plain->play.locked);
-  EXPECT_FALSE(plain->play.stays);
-  const auto lesson = Parse({"a.mcap", "--from", "2.5", "--stay", "--locked"});
-  EXPECT_EQ(lesson->playback.from_s, 2.5);
-  EXPECT_TRUE(lesson->play.stays);
-  EXPECT_TRUE(lesson->play.locked);
+  const auto plain = Parse<PlayCommand>({"a.mcap"});
+  EXPECT_FALSE(plain.play.locked);
+  EXPECT_FALSE(plain.play.stays);
+  const auto lesson = Parse<PlayCommand>({"a.mcap", "--from", "2.5", "--stay", "--locked"});
+  EXPECT_EQ(lesson.playback.from_s, 2.5);
+  EXPECT_TRUE(lesson.play.stays);
+  EXPECT_TRUE(lesson.play.locked);
   EXPECT_THROW(Parse({"a.mcap", "--stay", "--loop"}), UsageError);
   EXPECT_THROW(Parse({"a.mcap", "--verify", "--locked"}), UsageError);
   EXPECT_THROW(Parse({"a.mcap", "--guide", "hand", "--stay"}), UsageError);
@@ -82,6 +84,7 @@ TEST(ReplayOptions, RefuseWhatMakesNoSense) {
   EXPECT_THROW(Parse({"a.mcap", "--guide", "no name"}), UsageError);
   EXPECT_THROW(Parse({"a.mcap", "--json", "-"}), UsageError);
   EXPECT_THROW(Parse({"score", "a.mcap"}), UsageError);
+  EXPECT_THROW(Parse({"a.mcap", "score", "b.mcap", "c.mcap"}), UsageError);
 }
 
 }  // namespace

@@ -21,21 +21,22 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-const int kDomain = OwnDomain();
+const int kProgramsDomain = OwnDomain();
 
-Program Server(std::vector<std::string> words) {
+Program RunServer(std::vector<std::string> words) {
   return {PALPATE_BIN_DIR "/palpate-server", std::move(words)};
 }
 /// Adds this run's own domain.
 std::vector<std::string> Here(std::vector<std::string> words) {
-  words.insert(words.end(), {"--domain", std::to_string(kDomain)});
+  words.insert(words.end(), {"--domain", std::to_string(kProgramsDomain)});
   return words;
 }
 
 TEST(ServerProgram, IsReadyAndStopsOnASignal) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    Program program = Server(Here({"--scene", "cube", "--transport", "udp"}));
-    ASSERT_TRUE(program.Says("domain " + std::to_string(kDomain), 60.0)) << program.Output();
+    Program program = RunServer(Here({"--scene", "cube", "--transport", "udp"}));
+    ASSERT_TRUE(program.Says("domain " + std::to_string(kProgramsDomain), 60.0))
+        << program.Output();
     const std::string& line = program.Output();
     EXPECT_THAT(line, StartsWith("ready: scenes cube; "));
     EXPECT_THAT(line, HasSubstr("UDP (as asked)"));
@@ -56,11 +57,11 @@ std::string SceneOf(const std::string& name, const std::string& mesh, int leaves
 
 TEST(ServerProgram, ServesWhatIsNotUsableOnlyWhereItIsToldTo) {
   const std::string scene = SceneOf("bare", R"({"shape":"box","size_m":[0.1,0.1,0.002]})", 2);
-  Program refused = Server(Here({"--scene", scene, "--transport", "udp"}));
+  Program refused = RunServer(Here({"--scene", scene, "--transport", "udp"}));
   EXPECT_EQ(refused.Exit(), 1);
   EXPECT_THAT(refused.Output(), HasSubstr("bare.json: is not usable: object thing: "));
   EXPECT_THAT(refused.Output(), HasSubstr("--unusable-too"));
-  Program served = Server(Here({"--scene", scene, "--transport", "udp", "--unusable-too"}));
+  Program served = RunServer(Here({"--scene", scene, "--transport", "udp", "--unusable-too"}));
   EXPECT_TRUE(served.Says("ready: scenes bare", 60.0)) << served.Output();
   EXPECT_THAT(served.Output(), HasSubstr("bare: not usable: object thing: "));
 }
@@ -70,10 +71,10 @@ TEST(ServerProgram, RefusesAnEffectThatIsNotAsPassiveAsItSays) {
   std::ofstream(scene) << CubeWithEffects(R"({"name": "viscous"}, {"name": ")" PALPATE_WRONG_EFFECT
                                           R"(", "way": 6})");
   const std::string folder = std::filesystem::path(PALPATE_WRONG_EFFECT).parent_path();
-  Program untrusted = Server(Here({"--scene", scene, "--transport", "udp"}));
+  Program untrusted = RunServer(Here({"--scene", scene, "--transport", "udp"}));
   EXPECT_EQ(untrusted.Exit(), 1);
   EXPECT_THAT(untrusted.Output(), HasSubstr("--effects " + folder));
-  Program refused = Server(Here({"--scene", scene, "--transport", "udp", "--effects", folder}));
+  Program refused = RunServer(Here({"--scene", scene, "--transport", "udp", "--effects", folder}));
   EXPECT_EQ(refused.Exit(), 1);
   EXPECT_THAT(refused.Output(),
               HasSubstr("swirls.json: is not usable: effect libpalpate_wrong_effect.so: claims to "
@@ -84,13 +85,13 @@ TEST(ServerProgram, RefusesAnEffectThatIsNotAsPassiveAsItSays) {
 TEST(ServerProgram, SaysWhatAMeshThatItServesIsNot) {
   const std::string mesh = testing::TempDir() + "open.obj";
   std::ofstream(mesh) << "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 0 0 50\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
-  Program program = Server(Here({mesh, "--unit", "mm", "--transport", "udp"}));
+  Program program = RunServer(Here({mesh, "--unit", "mm", "--transport", "udp"}));
   EXPECT_TRUE(program.Says("ready: scenes open", 60.0)) << program.Output();
   EXPECT_THAT(program.Output(), HasSubstr("open: object open: 3 edges are open"));
 }
 
 TEST(ServerProgram, NamesTheScenesThatThereAreWhereOneIsUnknown) {
-  Program program = Server(Here({"--scene", "no-such-scene", "--transport", "udp"}));
+  Program program = RunServer(Here({"--scene", "no-such-scene", "--transport", "udp"}));
   EXPECT_EQ(program.Exit(), 1);
   EXPECT_THAT(program.Output(), HasSubstr("no-such-scene"));
   EXPECT_THAT(program.Output(), HasSubstr("bunny-bunny"));
@@ -98,7 +99,7 @@ TEST(ServerProgram, NamesTheScenesThatThereAreWhereOneIsUnknown) {
 
 TEST(ServerProgram, RefusesASceneThatIsGivenTwice) {
   const std::string file = PALPATE_SOURCE_DIR "/scenes/catalogue/cube.json";
-  Program program = Server(Here({"--scene", "cube", "--scene", file, "--transport", "udp"}));
+  Program program = RunServer(Here({"--scene", "cube", "--scene", file, "--transport", "udp"}));
   EXPECT_EQ(program.Exit(60.0), 2);
   EXPECT_THAT(program.Output(), HasSubstr("--scene " + file + ": 'cube' is already served"));
 }
@@ -122,7 +123,7 @@ TEST(ServerProgram, ExitsWithTwoWhereTheCommandLineIsWrong) {
                                                        {"part.stl", "--unit", "furlong"},
                                                        {"part.stl", "--ball", "0"}};
   for (const std::vector<std::string>& words : wrong) {
-    Program program = Server(Here(words));
+    Program program = RunServer(Here(words));
     EXPECT_EQ(program.Exit(), 2) << words.back();
     EXPECT_THAT(program.Output(), StartsWith("palpate-server: "));
   }

@@ -16,7 +16,7 @@ namespace {
 using test::ComplaintOf;
 using testing::HasSubstr;
 
-const int kDomain = test::OwnDomain();
+const int kToolsDomain = test::OwnDomain();
 
 template <class T, class Sequence>
 void PointTo(std::vector<T>& items, Sequence& sequence) {
@@ -44,7 +44,7 @@ class Offering : public testing::Test {
     PointTo(others, scenes[1].tools);
     PointTo(scenes, offer.scenes);
     EXPECT_TRUE(writer.Write(offer));
-    return AskForTools(service, {kDomain, {}, 10.0}, scene, stop);
+    return AskForTools(service, {kToolsDomain, {}, 10.0}, scene, stop);
   }
   Offering() {
     wire::FromText("mine", scenes[0].scene);
@@ -66,7 +66,7 @@ class Offering : public testing::Test {
   std::vector<wire::OfferedScene> scenes{2};
   wire::SceneOffer offer{};
   StopSignal stop;
-  dds::Participant service = dds::Participant::Service(kDomain);
+  dds::Participant service = dds::Participant::Service(kToolsDomain);
   dds::Writer<wire::SceneOffer> writer{service, dds::kSceneOfferTopic, dds::Qos::kSession};
 };
 
@@ -108,14 +108,14 @@ TEST_F(Offering, NamesWhatThereIsWhereTheSceneIsNot) {
 }
 
 TEST(AskForTools, SaysThatTheServerIsOfAnotherVersion) {
-  const dds::Participant server = dds::Participant::Service(kDomain);
+  const dds::Participant server = dds::Participant::Service(kToolsDomain);
   const dds::Writer<wire::ToolState> others(server, dds::kSceneOfferTopic, dds::Qos::kSession);
-  const dds::Participant station = dds::Participant::Service(kDomain);
+  const dds::Participant station = dds::Participant::Service(kToolsDomain);
   const std::string complaint = ComplaintOf([&] {
-    AskForTools(station, {kDomain, {}, 0.1}, "cube",
+    AskForTools(station, {kToolsDomain, {}, 0.1}, "cube",
                 [](std::chrono::nanoseconds) { return false; });
   });
-  EXPECT_EQ(complaint, AnotherVersionIsThere(kDomain)) << "what it cannot read is no offer";
+  EXPECT_EQ(complaint, AnotherVersionIsThere(kToolsDomain)) << "what it cannot read is no offer";
   EXPECT_THAT(complaint, HasSubstr("of another version than this program (" PALPATE_VERSION));
 }
 

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "client/viewer/viewer_limits.h"
 #include "common/realtime/steady_clock.h"
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
@@ -118,11 +119,11 @@ TEST_F(MouseRoomTest, NamesItsStationsByItsPrefixOrTheirHoldersNameAndNeverByAno
 TEST_F(MouseRoomTest, LetsGoOfAToolThatNobodyMoves) {
   Take(7);
   const std::int64_t now_ns = SteadyNanoseconds();
-  room_.Poll(now_ns + MouseRoom::kIdle_ns / 2);
-  room_.Drag(7, Pose{}, false, now_ns + MouseRoom::kIdle_ns / 2);
-  room_.Poll(now_ns + MouseRoom::kIdle_ns);
+  room_.Poll(now_ns + ViewerLimits::kMouseIdle_ns / 2);
+  room_.Drag(7, Pose{}, false, now_ns + ViewerLimits::kMouseIdle_ns / 2);
+  room_.Poll(now_ns + ViewerLimits::kMouseIdle_ns);
   EXPECT_TRUE(room_.holds(7));
-  room_.Poll(now_ns + 2 * MouseRoom::kIdle_ns);
+  room_.Poll(now_ns + 2 * ViewerLimits::kMouseIdle_ns);
   EXPECT_FALSE(room_.holds(7));
   EXPECT_EQ(news_.back().phase, "ended");
   EXPECT_THAT(news_.back().reason, HasSubstr("5 minutes"));
@@ -133,12 +134,12 @@ TEST_F(MouseRoomTest, KeepsAToolAtRestForTheViewerThatComesInPlaceOfAMissingOne)
   Session("mouse_1", palpate_SESSION_ACTIVE);
   EXPECT_FALSE(room_.Return(7, 8, 0)) << "its viewer is there";
   room_.Rest(7, 1);
-  room_.Poll(MouseRoom::kAway_ns);
+  room_.Poll(ViewerLimits::kMouseAway_ns);
   EXPECT_TRUE(room_.Return(7, 8, 2));
   EXPECT_FALSE(room_.holds(7));
   EXPECT_EQ(news_.back().holder, 8u);
   EXPECT_EQ(news_.back().phase, "active");
-  room_.Poll(2 * MouseRoom::kAway_ns);
+  room_.Poll(2 * ViewerLimits::kMouseAway_ns);
   EXPECT_TRUE(room_.holds(8)) << "it is not missing any more";
 }
 
@@ -146,8 +147,8 @@ TEST_F(MouseRoomTest, LosesAToolWhoseViewerDoesNotComeBackInTime) {
   Take(7);
   Session("mouse_1", palpate_SESSION_ACTIVE);
   room_.Rest(7, 1);
-  room_.Rest(7, MouseRoom::kAway_ns);  // it has been missing since the first
-  room_.Poll(MouseRoom::kAway_ns + 2);
+  room_.Rest(7, ViewerLimits::kMouseAway_ns);  // it has been missing since the first
+  room_.Poll(ViewerLimits::kMouseAway_ns + 2);
   EXPECT_FALSE(room_.holds(7));
   EXPECT_EQ(news_.back().phase, "ended");
   EXPECT_TRUE(news_.back().lost);
@@ -158,10 +159,10 @@ TEST_F(MouseRoomTest, WaitsForATeacherAsLongAsThatTakes) {
   Take(7);
   Session("mouse_1", palpate_SESSION_HELD, "waits to be admitted");
   EXPECT_EQ(news_.back().phase, "held");
-  room_.Poll(SteadyNanoseconds() + 2 * MouseRoom::kIdle_ns);
+  room_.Poll(SteadyNanoseconds() + 2 * ViewerLimits::kMouseIdle_ns);
   EXPECT_TRUE(room_.holds(7)) << "nobody can move what has not begun";
   Session("mouse_1", palpate_SESSION_ACTIVE);
-  room_.Poll(SteadyNanoseconds() + 2 * MouseRoom::kIdle_ns);
+  room_.Poll(SteadyNanoseconds() + 2 * ViewerLimits::kMouseIdle_ns);
   EXPECT_FALSE(room_.holds(7));
 }
 

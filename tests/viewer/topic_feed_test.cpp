@@ -129,7 +129,7 @@ TEST_F(TopicFeedTest, KeepsWhatHasAStateInItsOrderAndNothingElse) {
   server_.WriteSession("d", 1, palpate_SESSION_ENDED);
   ASSERT_TRUE(PollUntilKept(TopicFeed::kSessionState, 4));
   ASSERT_TRUE(PollUntilKept(TopicFeed::kSolidBlock, 300));
-  EXPECT_TRUE(feed_.server_lives());
+  EXPECT_TRUE(feed_.server().lives);
   EXPECT_THAT(feed_.stations(), ElementsAre("a"));
   for (const char* there : {"a", "c"}) EXPECT_TRUE(feed_.HasStation(there)) << there;
   for (const char* gone : {"b", "d", "e"}) EXPECT_FALSE(feed_.HasStation(gone)) << gone;
@@ -226,7 +226,7 @@ TEST_F(TopicFeedTest, HearsTheServerThatLivesWhateverAnotherSays) {
       return feed_.Kept(TopicFeed::kSessionState).size() == 1 + run;
     }));
     PollFor(0.2);
-    EXPECT_EQ(feed_.server_run(), 1u);
+    EXPECT_EQ(feed_.server().run, 1u);
     EXPECT_EQ(feed_.scenes().at("s").bundle[0], 1);
   }
   EXPECT_THAT(feed_.stations(), ElementsAre("a", "after1", "after2"));
@@ -239,25 +239,25 @@ TEST_F(TopicFeedTest, HearsTheServerThatLivesWhateverAnotherSays) {
 
 TEST_F(TopicFeedTest, HearsAllThatAnotherHasSaidOnceTheFirstHasGone) {
   auto first = Another(1, 7);
-  ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 1; }));
+  ASSERT_TRUE(PollUntil([&] { return feed_.server().run == 1; }));
   server_.WriteBundle("s", 2, {1});
   server_.WriteBundle("t", 2, {2});
   server_.WriteSession("a", 2, palpate_SESSION_ACTIVE);
   PollFor(0.3);
-  ASSERT_EQ(feed_.server_run(), 1u);
+  ASSERT_EQ(feed_.server().run, 1u);
   first.reset();
   EXPECT_TRUE(PollUntilHas(2, 1));
-  EXPECT_EQ(feed_.server_run(), 2u);
+  EXPECT_EQ(feed_.server().run, 2u);
   EXPECT_THAT(feed_.stations(), ElementsAre("a"));
 }
 
 TEST_F(TopicFeedTest, KeepsWhatAServerHasSaidWhileThereIsNone) {
   Another(1, 7);
   auto server = Another(2, 8);
-  ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 2; }));
+  ASSERT_TRUE(PollUntil([&] { return feed_.server().run == 2; }));
   server.reset();
   PollFor(0.4);
-  EXPECT_EQ(feed_.server_run(), 2u);
+  EXPECT_EQ(feed_.server().run, 2u);
   EXPECT_EQ(feed_.scenes().at("s").bundle[0], 8);
 }
 
@@ -291,7 +291,7 @@ TEST_F(TopicFeedTest, KeepsWhatAReplaySaysWhoeverElseSpeaks) {
   // After seeking it speaks as another server; it is the same replay.
   server_.WriteBundle("s", 1, {1});
   server_.WriteBundle("s", 2, {2});
-  ASSERT_TRUE(PollUntil([&] { return feed_.server_run() == 2; }));
+  ASSERT_TRUE(PollUntil([&] { return feed_.server().run == 2; }));
   const auto kept = feed_.Kept(TopicFeed::kReplayContents);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_TRUE(kept[0]->state);
@@ -321,9 +321,9 @@ TEST_F(TopicFeedTest, PassesWishesOnToAReplayThatIsThere) {
 }
 
 TEST(TopicFeed, OffersAMouseAndAReplaysAnswerToThoseWhoMay) {
-  EXPECT_EQ(TopicFeed::Channels(true, true).size(), 12u);
-  EXPECT_EQ(TopicFeed::Channels(false, true).size(), 11u);
-  EXPECT_EQ(TopicFeed::Channels(false, false).size(), 10u);
+  EXPECT_EQ(ChannelsFor(true, true).size(), 12u);
+  EXPECT_EQ(ChannelsFor(false, true).size(), 11u);
+  EXPECT_EQ(ChannelsFor(false, false).size(), 10u);
 }
 
 }  // namespace
