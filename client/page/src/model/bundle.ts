@@ -48,7 +48,7 @@ export interface Body {
   readonly tissues: readonly string[]; // name of each, as written in the scene; empty: unnamed
   readonly regions: readonly Region[]; // later ones take precedence
   readonly bur: Bur | undefined; // of a tool that cuts by turning
-  readonly moved: number;  // of an object: its group of ToolState.moved, from 1; 0: it stands still
+  readonly moved: number; // of an object: its group of ToolState.moved, from 1; 0: it stands still
 }
 
 /// The cutting part of a tool: a curve turned about the tool's y axis, and all within a distance of
@@ -139,18 +139,16 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
   const pose = body.pose();
   const p = pose?.p();
   return {
-    name: body.name() ?? '',
+    name: body.name() ?? "",
     geometry,
     pose: pose && p ? {p: vec3(p), q: [pose.qw(), pose.qx(), pose.qy(), pose.qz()]} : kIdentity,
     materials,
     leafMaterial: body.leafMaterialArray() ?? new Uint8Array(),
-    look: body.look() ?? '',
+    look: body.look() ?? "",
     ambient: body.ambientArray() ?? new Uint8Array(),
-    cutColours: Array.from(
-        body.grid()?.pressuresArray() ?? [],
-        (_, material) =>
-            body.grid()!.coloursLength() > 0 ? body.grid()!.colours(material)! : 0x1000000,
-        ),
+    cutColours: Array.from(body.grid()?.pressuresArray() ?? [], (_, material) =>
+      body.grid()!.coloursLength() > 0 ? body.grid()!.colours(material)! : 0x1000000,
+    ),
     tissues: Array.from({length: body.grid()?.namesLength() ?? 0}, (_, i) => body.grid()!.names(i)),
     regions: Array.from({length: body.grid()?.regionsLength() ?? 0}, (_, i) => regionOf(body, i)),
     bur: burOf(body),

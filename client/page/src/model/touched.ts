@@ -1,6 +1,6 @@
-import type {ContactPoint, ToolState} from '../protocol/messages';
+import type {ContactPoint, ToolState} from "../protocol/messages";
 import type {Body, SceneModel} from "./bundle";
-import {add, norm, pointIn, type Pose, scale, subtract, type Vec3} from '../base/pose';
+import {add, norm, pointIn, type Pose, scale, subtract, type Vec3} from "../base/pose";
 
 /// Largest distance of a contact from the object touched: soft surfaces give way [m].
 const kReachM = 3e-3;
@@ -8,9 +8,9 @@ const kLeastN = 0.01;
 
 /// Returns the names of the objects that push the tool, the strongest first.
 export function touchedObjects(
-    model: SceneModel,
-    {points, moved}: Pick<ToolState, 'points'|'moved'>,
-    ): string[] {
+  model: SceneModel,
+  {points, moved}: Pick<ToolState, "points" | "moved">,
+): string[] {
   const newtons = new Map<string, number>();
   for (const {positionM, forceN} of points) {
     const force = norm(forceN);
@@ -21,7 +21,7 @@ export function touchedObjects(
   return [...newtons].sort(([, a], [, b]) => b - a).map(([name]) => name);
 }
 
-function nearest(objects: readonly Body[], moved: readonly Pose[], at: Vec3): Body|undefined {
+function nearest(objects: readonly Body[], moved: readonly Pose[], at: Vec3): Body | undefined {
   // Measured to vertices, which is quick; where objects meet, their meshes are fine.
   let found: Body | undefined;
   let least = Infinity;

@@ -1,36 +1,53 @@
-import {type ReplayState, type SceneGoal, type SceneWhole, type SessionState, type SolidBlock, toLoopStatistics, toMovedState, toReplayContents, toReplayState, toSceneGoal, toSceneWhole, toSessionState, toSolidBlock, toStationStatistics, type ToolState, toToolState,} from '../protocol/messages';
-import type {Pose} from '../base/pose';
+import {
+  type ReplayState,
+  type SceneGoal,
+  type SceneWhole,
+  type SessionState,
+  type SolidBlock,
+  toLoopStatistics,
+  toMovedState,
+  toReplayContents,
+  toReplayState,
+  toSceneGoal,
+  toSceneWhole,
+  toSessionState,
+  toSolidBlock,
+  toStationStatistics,
+  type ToolState,
+  toToolState,
+} from "../protocol/messages";
+import type {Pose} from "../base/pose";
 import type {Compiling, Health} from "../protocol/health";
 import {Remains} from "./remains";
 import {Replay} from "./replay";
 import {Station} from "./station";
 
 export const kTopics = {
-  toolState: '/palpate/tool_state',
-  movedState: '/palpate/moved_state',
-  loopStatistics: '/palpate/loop_statistics',
-  stationStatistics: '/palpate/station_statistics',
-  sessionState: '/palpate/session_state',
-  sceneWhole: '/palpate/scene_whole',
-  solidBlock: '/palpate/solid_block',
-  mouse: '/palpate/mouse',
-  mouseState: '/palpate/mouse_state',
-  replay: '/palpate/replay',
-  replayContents: '/palpate/replay_contents',
-  replayState: '/palpate/replay_state',
-  replayAnswer: '/palpate/replay_answer',
-  operate: '/palpate/operate',
-  goal: '/palpate/goal',
-  class: '/palpate/class',
-  classAnswer: '/palpate/class_answer',
-  people: '/palpate/people',
-  me: '/palpate/me',
-  exercises: '/palpate/exercises',
-  trial: '/palpate/trial',
-  trialState: '/palpate/trial_state',
-  exam: '/palpate/exam',
-  examState: '/palpate/exam_state',
-  examAnswer: '/palpate/exam_answer',
+  toolState: "/palpate/tool_state",
+  movedState: "/palpate/moved_state",
+  loopStatistics: "/palpate/loop_statistics",
+  stationStatistics: "/palpate/station_statistics",
+  sessionState: "/palpate/session_state",
+  sceneWhole: "/palpate/scene_whole",
+  solidBlock: "/palpate/solid_block",
+  mouse: "/palpate/mouse",
+  mouseState: "/palpate/mouse_state",
+  replay: "/palpate/replay",
+  replayContents: "/palpate/replay_contents",
+  replayState: "/palpate/replay_state",
+  replayAnswer: "/palpate/replay_answer",
+  operate: "/palpate/operate",
+  goal: "/palpate/goal",
+  class: "/palpate/class",
+  classAnswer: "/palpate/class_answer",
+  people: "/palpate/people",
+  me: "/palpate/me",
+  exercises: "/palpate/exercises",
+  trial: "/palpate/trial",
+  trialState: "/palpate/trial_state",
+  exam: "/palpate/exam",
+  examState: "/palpate/exam_state",
+  examAnswer: "/palpate/exam_answer",
 } as const;
 
 /// The topics on which the page publishes.
@@ -67,7 +84,7 @@ export class World {
   compiling: Compiling | undefined; // by a server that does not serve yet
   readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
-  private readonly moved = new Map<string, readonly Pose[]>();  // by scene
+  private readonly moved = new Map<string, readonly Pose[]>(); // by scene
   /// By scene: the teacher's goal, and the last message about restoring it.
   readonly goals = new Map<string, SceneGoal>();
   readonly wholes = new Map<string, SceneWhole>();

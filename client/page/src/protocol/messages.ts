@@ -68,19 +68,19 @@ export type ContactPoint = ReturnType<typeof toContactPoint>;
 const kNowhere: readonly Pose[] = [];
 
 export const toToolState = message({
-  station: text('station'),
-  scene: text('scene'),
-  tool: text('tool'),
-  poseSequence: number('pose_sequence'),
-  haptic: pose('haptic'),    // X_WH
-  graphic: pose('graphic'),  // X_WG
-  forceN: vec3('force_N'),
-  torqueNm: vec3('torque_Nm'),
-  stepUs: number('step_us'),
-  contacts: number('contacts'),
-  buttons: number('buttons'),
+  station: text("station"),
+  scene: text("scene"),
+  tool: text("tool"),
+  poseSequence: number("pose_sequence"),
+  haptic: pose("haptic"), // X_WH
+  graphic: pose("graphic"), // X_WG
+  forceN: vec3("force_N"),
+  torqueNm: vec3("torque_Nm"),
+  stepUs: number("step_us"),
+  contacts: number("contacts"),
+  buttons: number("buttons"),
   points: (fields): readonly ContactPoint[] =>
-      list('point', toContactPoint)(fields).slice(0, number('points')(fields)),
+    list("point", toContactPoint)(fields).slice(0, number("points")(fields)),
   /// Of the scene's groups that move, from MovedState: relative to where their objects are placed.
   moved: () => kNowhere,
 });
@@ -90,15 +90,12 @@ export const kStillBur = 2;
 export const burTurns = ({buttons}: ToolState): boolean => (buttons & kStillBur) === 0;
 
 export const toMovedState = message({
-  scene: text('scene'),
-  moved: list(
-      'moved',
-      (value):
-          Pose => {
-            const fields = typeof value === 'object' && value !== null ? (value as Fields) : {};
-            const [w = 1, x = 0, y = 0, z = 0] = numbers('orientation_wxyz')(fields);
-            return {p: vec3('position_m')(fields), q: [w, x, y, z]};
-          }),
+  scene: text("scene"),
+  moved: list("moved", (value): Pose => {
+    const fields = typeof value === "object" && value !== null ? (value as Fields) : {};
+    const [w = 1, x = 0, y = 0, z = 0] = numbers("orientation_wxyz")(fields);
+    return {p: vec3("position_m")(fields), q: [w, x, y, z]};
+  }),
 });
 
 export const toLoopStatistics = message({

@@ -1,4 +1,4 @@
-import {type Object3D, type PerspectiveCamera, Vector3} from 'three';
+import {type Object3D, type PerspectiveCamera, Vector3} from "three";
 
 import {fdiOf} from "../model/fdi";
 import {type Circle, layOut, type Point} from "../model/label_layout";
@@ -11,8 +11,8 @@ const kAir = 2; // between labels
 interface Label {
   readonly text: HTMLSpanElement;
   readonly line: SVGLineElement;
-  readonly within: Object3D;  // which moves, where the tooth does
-  readonly tooth: Vector3;    // in it
+  readonly within: Object3D; // which moves, where the tooth does
+  readonly tooth: Vector3; // in it
   readonly wanted: Vector3;
 }
 
@@ -61,7 +61,7 @@ export class ToothLabels {
     const size = {width: kLabel.width + kAir, height: kLabel.height + kAir};
     const clear = tools.flatMap((tool) => circlesOf(tool, eye, toPixels, room.height));
     const placed = (at: Vector3, {within}: Label): Point =>
-        toPixels(at.clone().applyMatrix4(within.matrixWorld));
+      toPixels(at.clone().applyMatrix4(within.matrixWorld));
     const wanted = this.labels.map((one) => placed(one.wanted, one));
     const free = {width: room.width, height: this.buttons.offsetTop};
     layOut(wanted, size, clear, free).forEach(({x, y}, i) => {
@@ -86,7 +86,7 @@ export class ToothLabels {
     group.updateMatrix();
     // On the crown's outer side, then over the gum, where least is hidden.
     const inPlace = (y: number, z: number): Vector3 =>
-        new Vector3(0, y, z).applyMatrix4(group.matrix);
+      new Vector3(0, y, z).applyMatrix4(group.matrix);
     return {
       text,
       line,

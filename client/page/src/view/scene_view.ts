@@ -3,11 +3,11 @@ import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} fro
 import type {SceneModel} from "../model/bundle";
 import type {Room} from "../model/edge_place";
 import {endOf, firstSight, workOf} from "../model/first_sight";
-import {kIdentity, type Pose, type Vec3} from '../base/pose';
+import {kIdentity, type Pose, type Vec3} from "../base/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
 import type {ToolState} from "../protocol/messages";
-import {BodyMesh, place, SurfaceCache} from './body_mesh';
+import {BodyMesh, place, SurfaceCache} from "./body_mesh";
 import {Camera} from "./camera";
 import {CanvasSize} from "./canvas_size";
 import {kToLamp} from "./depth_cues";
@@ -37,7 +37,7 @@ export class SceneView {
   private model: SceneModel | undefined;
   private objects: BodyMesh[] = [];
   private tools: ToolView[] = [];
-  private moved: Group[] = [];  // of objects that move together
+  private moved: Group[] = []; // of objects that move together
   private readonly clouds = new SphereClouds();
   private sphereLevel: number | undefined;
   private radiusM = 0.1; // of the initial view
