@@ -26,13 +26,6 @@ Colour ColourOf(std::size_t index) {
   return c;
 }
 
-void Place(Canvas& picture, const Tile& tile, int column, int row, const std::string& label) {
-  const int x = column * Tile::kSide;
-  const int y = row * Tile::kSide;
-  picture.Place(tile, x, y);
-  picture.Write(label, x + 16, y + Tile::kSide - 30);
-}
-
 }  // namespace
 
 void DrawScene(const Scene& scene, std::optional<int> level, const std::string& png_file) {
@@ -60,8 +53,7 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
     Tile mesh(body.mesh);
     mesh.Draw(body.mesh, Colour(0.8, 0.74, 0.66));
     mesh.ShadeHollows();
-    Place(picture, mesh, 0, row,
-          body.name + " " + std::to_string(body.mesh.triangles.size()) + " triangles");
+    picture.Place(mesh, 0, row * Tile::kSide);
     for (int l = level ? *level - 1 : 0; l < (level ? *level : levels); ++l) {
       Tile tile(body.mesh);
       std::size_t count = 0;
@@ -71,8 +63,7 @@ void DrawScene(const Scene& scene, std::optional<int> level, const std::string& 
         }
       }
       tile.ShadeHollows();
-      Place(picture, tile, level ? 1 : 1 + l, row,
-            "level " + std::to_string(l + 1) + "  " + std::to_string(count) + " spheres");
+      picture.Place(tile, (level ? 1 : 1 + l) * Tile::kSide, row * Tile::kSide);
     }
   }
   picture.Save(png_file);
@@ -95,7 +86,7 @@ void DrawWhole(const Scene& scene, const std::string& png_file) {
   for (const auto& [mesh, colour] : meshes) tile.Draw(mesh, colour);
   tile.ShadeHollows();
   Canvas picture(Tile::kSide, Tile::kSide);
-  Place(picture, tile, 0, 0, scene.name);
+  picture.Place(tile, 0, 0);
   picture.Save(png_file);
 }
 

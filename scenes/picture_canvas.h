@@ -3,26 +3,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "scenes/picture_tile.h"
 
 namespace palpate {
 
-/// A picture of tiles and letters that is saved as a PNG.
+/// A picture of tiles that is saved as a PNG.
 class Canvas {
  public:
-  static constexpr int kLetterWidth = 12;  ///< [pixels]
-
   /// Begins with a white picture.
   Canvas(int width, int height);
 
   /// @param x, y  the upper left corner, here and below; what lies outside the picture is cut off.
   void Place(const Tile& tile, int x, int y);
-  /// Writes ASCII text; a character without a glyph leaves a gap.
-  void Write(std::string_view text, int x, int y);
-
   /// Throws Error if the file cannot be written.
   void Save(const std::string& png_file) const;
 

@@ -203,33 +203,12 @@ Steps FollowAll(const Shared& shared, const py::object& given, int threads, bool
   return steps;
 }
 
-/// Warns that a name is to be replaced by another in the next version.
-void Deprecate(const char* old, const char* name) {
-  const std::string text = std::string("palpate.Model: ") + old + " is now called " + name;
-  if (PyErr_WarnEx(PyExc_DeprecationWarning, text.c_str(), 1) != 0) throw py::error_already_set();
-}
-
-/// @param stiffness, torsional_stiffness, step  names of version 0.1, or None
 Shared MakeShared(const std::vector<Body>& objects, const Body& tool, const std::string& contact,
-                  const py::object& stiffness, const py::object& torsional_stiffness,
-                  const py::object& step, const py::kwargs& parameters) {
+                  const py::kwargs& parameters) {
   Scene scene = ToScene(objects, {tool}, contact);
   scene.name = "scene";
   CheckPackable(scene);  // as Scene and scene files are checked
-  py::dict all;
-  const auto take = [&](const py::object& value, const char* old, const char* name) {
-    if (value.is_none()) return;
-    Deprecate(old, name);
-    all[name] = value;
-  };
-  take(stiffness, "stiffness", kCouplingStiffness.name);
-  take(torsional_stiffness, "torsional_stiffness", kCouplingTorsionalStiffness.name);
-  if (!step.is_none()) {
-    Deprecate("step={\"separation_um\": 2}", "separation_um=2");
-    all.attr("update")(step);
-  }
-  all.attr("update")(parameters);
-  SetParameters(scene, all);
+  SetParameters(scene, parameters);
   return Share(std::move(scene), 0);
 }
 
@@ -269,9 +248,7 @@ void DefineModels(py::module_& module, const Prose& prose) {
   py::class_<Shared> model(module, "Model");
   model
       .def(py::init(&MakeShared), py::arg("objects"), py::arg("tool"), py::kw_only(),
-           py::arg("contact") = "surface", py::arg("stiffness") = py::none(),
-           py::arg("torsional_stiffness") = py::none(), py::arg("step") = py::none(),
-           prose("Model.__init__"))
+           py::arg("contact") = "surface", prose("Model.__init__"))
       .def_property_readonly("parameters",
                              [](const Shared& shared) { return ToDict(*shared.parameters); })
       .def("__repr__",

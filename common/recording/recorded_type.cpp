@@ -47,9 +47,6 @@ const std::string& SchemaText(RecordedType type) {
 }
 
 std::optional<RecordedType> TypeOfSchema(const std::string& schema_name) {
-  // The former name, when the type also reported leaves of sphere trees that were scraped off;
-  // scenes with that feature are no longer supported.
-  if (schema_name == "palpate::LeafTaken") return RecordedType::kLoopWhole;
   for (int i = 0; i < kRecordedTypes; ++i) {
     const auto type = static_cast<RecordedType>(i);
     if (schema_name == SchemaName(type)) return type;

@@ -73,19 +73,6 @@ TEST(TruthCurved, BoundsHoldForTheRestOnTheMeshThatTryingFinds) {
   EXPECT_GT(foot, 0.5);
 }
 
-TEST(TruthCurved, BoundsShrinkWithTheTriangles) {
-  CurvedBound last{INFINITY, INFINITY, INFINITY};
-  for (const std::size_t triangles : {1'000u, 4'000u, 16'000u}) {
-    Random random(1);
-    const CurvedBody body("torus", triangles, random);
-    const CurvedBound bound = BoundOf(body, {false, true, 0.004, kSpring, kTurning, 0.0}, 1e-3);
-    EXPECT_LT(bound.angle, 0.6 * last.angle);
-    EXPECT_LT(bound.size, 0.3 * last.size);
-    EXPECT_LT(bound.turn, 0.6 * last.turn);
-    last = bound;
-  }
-}
-
 TEST(TruthCurved, SeesADirectionASizeAndATorqueBeyondTheBounds) {
   const CurvedTool tool{false, true, 0.004, kSpring, kTurning, 0.0};
   const CurvedJudge::Sample sample{Vec3::UnitY(), 1e-3, {0.01, 0.05, 0.002}};

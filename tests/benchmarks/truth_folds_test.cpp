@@ -1,8 +1,5 @@
 #include "tests/benchmarks/truth_folds.h"
 
-#include <cmath>
-#include <string_view>
-
 #include <gtest/gtest.h>
 
 #include "common/math/rotation.h"
@@ -13,48 +10,6 @@ namespace {
 
 using test::Random;
 using test::Vec2;
-
-/// Whether a point of the object's frame is within its material, by the winding number.
-bool IsInside(const TriangleMesh& mesh, const Vec3& p) {
-  double angle = 0.0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 a = mesh.vertices[i] - p, b = mesh.vertices[j] - p, c = mesh.vertices[k] - p;
-    const double an = a.norm(), bn = b.norm(), cn = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
-                              an * bn * cn + a.dot(b) * cn + b.dot(c) * an + c.dot(a) * bn);
-  }
-  return angle > 2.0 * M_PI;
-}
-
-TEST(TruthFolds, LieInTheirBodiesAsThePlanesTruthSays) {
-  for (const std::string_view tool : kFolded) {
-    for (std::uint64_t seed = 0; seed < 10; ++seed) {
-      SCOPED_TRACE(std::string(tool) + ", seed " + std::to_string(seed));
-      Random random(seed);
-      const Fold fold = MakeFold("quad", tool, false, random);
-      // At rest, some corner of the tool is as near to the material as the separation, plus a
-      // ball's radius, and 0.1 um farther towards the hand's side it is nearer.
-      const test::PlanarRest rest = RestOf(fold.fit, {1e-3, -5e-3}, 0.0);
-      ASSERT_FALSE(rest.holds.empty());
-      const double ball = tool == "ball" ? fold.tool.tree.leaf_radius[0] : 0.0;
-      for (const int side : rest.holds) {
-        const Vec2 n = fold.fit.sides[static_cast<std::size_t>(side)].normal;
-        double lowest = INFINITY;
-        Vec2 corner;
-        for (const Vec2& v : fold.fit.outline) {
-          const Vec2 turned = Eigen::Rotation2Dd(rest.angle) * v;
-          if (n.dot(turned) < lowest) lowest = n.dot(turned), corner = rest.at + turned;
-        }
-        const auto below = [&](double depth) {
-          const Vec2 p = corner - (ball + depth) * n;
-          return IsInside(fold.object.mesh, Vec3(p.x(), p.y(), 0.0003));
-        };
-        EXPECT_FALSE(below(0.9e-6));
-        EXPECT_TRUE(below(1.1e-6));
-      }
-    }
-  }
-}
 
 TEST(TruthFolds, SeeAWrongSplitAndAToolThatIsTooNear) {
   Random random(1);

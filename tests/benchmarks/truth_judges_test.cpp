@@ -32,18 +32,6 @@ SteadyJudge Slid(const Vec3& force) {
   return judge;
 }
 
-TEST(TruthJudges, SplitAForceByTheSpanOfTheNormals) {
-  const std::vector<double> loads = LoadsOf({kRight, kLeft}, 2.0 * kRight + 3.0 * kLeft);
-  ASSERT_EQ(loads.size(), 2u);
-  EXPECT_NEAR(loads[0], 2.0, 1e-15);
-  EXPECT_NEAR(loads[1], 3.0, 1e-15);
-  const Vec3 oblique = Vec3(0.2, 1.0, 0.0).normalized();
-  const std::vector<double> others = LoadsOf({kRight, oblique}, 2.0 * kRight + 3.0 * oblique);
-  EXPECT_NEAR(others[0], 2.0, 1e-14);
-  EXPECT_NEAR(others[1], 3.0, 1e-14);
-  EXPECT_NEAR(LoadsOf({kRight}, 2.0 * kRight + Vec3::UnitZ())[0], 2.0, 1e-15);
-}
-
 TEST(TruthJudges, AskInAGrooveForFrictionOfTheSumOfBothLoads) {
   const Vec3 loads = 2.0 * kRight + 3.0 * kLeft;
   const SteadyJudge right = Slid(loads - kTruthDynamic * 5.0 * Vec3::UnitZ());

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <regex>
 #include <set>
@@ -48,18 +47,6 @@ TEST(FirstMatch, FindsWhatIsNotAllowedAndNothingElse) {
             std::string("1: /ho") + "me/e");
   EXPECT_EQ(FirstMatch("the user's home/cache", kSomebodysFolder), "");
   EXPECT_NE(FirstMatch(std::string("https://registry.npm") + "js.org/a", kRegistryHost), "");
-}
-
-TEST(TrackedFiles, LeaveOutWhatAUserKeepsInTheCheckout) {
-  const std::string root = testing::TempDir() + "tracked_files_test";
-  std::filesystem::remove_all(root);
-  std::filesystem::create_directories(root);
-  for (const std::string file : {"tracked.h", "tooth.stl"}) std::ofstream(root + "/" + file) << '1';
-  ASSERT_EQ(RunCommand({"git", "init", "-q", root}).exit_code, 0);
-  ASSERT_EQ(RunCommand({"git", "-C", root, "add", "tracked.h"}).exit_code, 0);
-  EXPECT_THAT(TrackedFiles(root), testing::ElementsAre("tracked.h"));
-  EXPECT_THAT(SourceFiles(root), testing::ElementsAre("tooth.stl", "tracked.h"));
-  std::filesystem::remove_all(root);
 }
 
 TEST(Repository, HasAtItsTopOnlyWhatBelongsThere) {

@@ -125,16 +125,6 @@ TEST_F(OwnScene, IsHeldWithTheMouseWhereTheServerSaysThatAHandBegins) {
   EXPECT_EQ(mouse.Exit(), 0) << mouse.Output();
 }
 
-TEST_F(OwnScene, IsNotAskedForByAStationWhoseDeviceIsMissing) {
-  Write("mine.json", kScene);
-  Serve({"--scene", (folder / "mine.json").string()});
-  const auto station =
-      Station({"--device", "spacemouse", "--scene", "mine", "--log-level", "debug"});
-  EXPECT_EQ(station->Exit(), 1);
-  EXPECT_THAT(station->Output(), HasSubstr("no connection to spacenavd"));
-  EXPECT_THAT(server->Output(), Not(HasSubstr("station hand")));
-}
-
 TEST_F(OwnScene, IsMadeOfAMeshAndFeltAtOnce) {
   Write("tooth.stl", Pyramid());
   const std::string mesh = (folder / "tooth.stl").string();
@@ -151,13 +141,6 @@ TEST_F(OwnScene, IsMadeOfAMeshAndFeltAtOnce) {
   EXPECT_EQ(felt["scene"], "tooth");
   EXPECT_GT(felt["contact_fraction"], 0.2);
   EXPECT_GT(felt["force_N_max"], 0.1);
-}
-
-TEST_F(OwnScene, OfAMeshHasTheUnitAndTheBallThatAreGiven) {
-  Write("tooth.stl", Pyramid());
-  Serve({"--unit", "cm", "--ball", "12", "--scene", (folder / "tooth.stl").string()});
-  EXPECT_THAT(server->Output(), HasSubstr("unit: cm, as given, so it is 200 x 140 x 200 mm"));
-  EXPECT_THAT(server->Output(), HasSubstr("a ball of 12 mm radius (--ball MM"));
 }
 
 // The box rises under a hand that stands still: it is felt, published, recorded and verified where

@@ -62,10 +62,6 @@ class Served(unittest.TestCase):
 
 class Station(Served):
     def test_feels_the_springs_force_where_it_is_moved_to(self):
-        with self.assertWarns(DeprecationWarning):
-            old = live.Station("cube", name="before", domain=DOMAIN, transport="udp")
-        with old, self.assertWarns(DeprecationWarning):
-            self.assertEqual((old.name, old.id), ("before", "before"))
         with opened() as hand:
             self.assertEqual((hand.scene, hand.tool, hand.id), ("cube", "ball", "script"))
             self.assertIn("session: tool 'ball' of scene 'cube'", hand.news())
@@ -115,13 +111,6 @@ hand.close()
         gone = weakref.ref(hand)
         del hand
         self.assertTrue(eventually(lambda: gc.collect() >= 0 and gone() is None))
-
-    def test_goes_no_faster_than_a_hand_whatever_it_is_told(self):
-        with opened() as hand:
-            hand.move([0, 0.04, 0], 0.2)
-            began = time.monotonic()
-            hand.move([0.1, 0.04, 0])
-            self.assertGreater(time.monotonic() - began, 0.19)  # 0.1 m at 0.5 m/s
 
     def test_is_under_the_limiter_like_any(self):
         with opened(max_force=3) as hand:
@@ -256,14 +245,6 @@ class Session(Served):
                 numpy.testing.assert_allclose(state["point"][: state["points"], 3:].sum(axis=0), state["force_N"],
                                               atol=0.05)
             self.assertEqual(session.dropped, 0)
-
-    def test_hears_what_a_script_feels(self):
-        with opened() as hand, live.Session(DOMAIN, transport="udp") as session:
-            hand.move([0, TOUCH - 0.001, 0], 0.3)
-            self.assertTrue(eventually(lambda: (newest := session.latest_tool("script")) is not None
-                                       and abs(newest["force_N"][1] - 1) < 0.02))
-            with self.assertRaisesRegex(palpate.Error, "wrenches=True"):
-                session.wrenches("script")
 
     def test_tells_that_nobody_plays_or_that_there_is_no_server(self):
         with live.Session(DOMAIN, patience=0.5) as session:

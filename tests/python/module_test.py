@@ -64,34 +64,6 @@ class Force(unittest.TestCase):
         numpy.testing.assert_allclose(report.points[:, 3:].sum(axis=0), report.force, atol=1e-9)
         self.assertEqual(report.faults, 0)
 
-    def test_grows_with_the_coupling(self):
-        block = palpate.body("block", *palpate.box(SIZE))
-        model = palpate.Model([block], palpate.ball("ball", 0.005), stiffness_N_per_m=500)
-        force = palpate.Proxy(model, [0, 0.022, 0]).step([0, 0.022, 0]).force
-        self.assertAlmostEqual(force[1], 1.5, places=2)
-
-    def test_follows_what_is_varied_of_the_step(self):
-        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
-        force = {}
-        for um in (1, 51):
-            model = palpate.Model([block], ball, separation_um=um)
-            proxy = palpate.Proxy(model, [0, 0.026, 0])
-            for y in numpy.linspace(0.026, 0.024, 50):
-                force[um] = proxy.step([0, y, 0]).force[1]
-        # The separation of a pair may have halved when it is met.
-        self.assertGreater(force[51] - force[1], 0.024)
-        self.assertLess(force[51] - force[1], 0.0501)
-        with self.assertRaisesRegex(palpate.Error, "seperation_um is not known; did you mean .separation_um"):
-            palpate.Model([block], ball, seperation_um=1)
-
-    def test_holds_a_rough_block_back(self):
-        def drag(**material):
-            model = ball_on_block(contact="spheres", leaves=1000, **material)
-            path = numpy.array([[x, 0.022, 0] for x in numpy.linspace(0, 0.003, 300)])
-            return -palpate.Proxy(model, path[0]).steps(path).wrench[-1, 0]
-
-        self.assertGreater(drag(static_friction=0.6, dynamic_friction=0.4), drag() + 0.5)
-
     def test_of_a_body_elsewhere_is_felt_there(self):
         block = palpate.body("block", *palpate.box(SIZE))
         block.pose = [0.1, 0, 0]
@@ -138,14 +110,6 @@ class Bits(unittest.TestCase):
             self.assertEqual(bytes(report.force) + bytes(report.torque), wrench.tobytes())
             self.assertEqual(bytes(report.tool), tool.tobytes())
         self.assertGreater((steps.contacts > 0).sum(), 500)
-
-    def test_are_those_of_the_library_in_c(self):
-        scene = ctypes.c_void_p(self.c.palpate_scene_new(0))
-        size = (ctypes.c_double * 3)(*SIZE)
-        self.assertEqual(self.c.palpate_scene_add_box(scene, 0, b"block", size, None), 0)
-        self.assertEqual(self.c.palpate_scene_add_ball(scene, 1, b"ball", ctypes.c_double(0.005), None), 0)
-        path = wandering_path(2000, 1)
-        self.assert_same_in_c(scene, path, palpate.Proxy(ball_on_block(), path[0]).steps(path))
 
     def test_of_a_loaded_scene_are_those_of_the_library_in_c(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -486,14 +450,6 @@ class Circles(unittest.TestCase):
         gc.collect()
         self.assertEqual(proxy.step([0, 0.03, 0]).force[1], 0.5)
 
-    def test_of_steps_are_called_what_they_are(self):
-        proxy = palpate.Proxy(ball_on_block(), [0, 0.03, 0])
-        for use in (lambda: proxy.step([0, 0.03, 0]), lambda: proxy.restart([0, 0.03, 0]),
-                    lambda: proxy.set_effect(None)):
-            proxy.set_effect(lambda *_, use=use: use())
-            with self.assertRaisesRegex(palpate.Error, "effect cannot"):
-                proxy.step([0, 0.03, 0])
-
 
 class Reports(unittest.TestCase):
     def test_have_all_that_the_step_says_and_the_same_bits_with_and_without(self):
@@ -578,18 +534,6 @@ class Reports(unittest.TestCase):
             steps[0].to_xarray()
         self.assertEqual({len(column) for column in asked.DataFrame.call_args.args[0].values()}, {1})
         self.assertEqual(asked.Dataset.call_args.args[0]["faults"][0], ())
-
-    def test_show_themselves(self):
-        model = ball_on_block(static_friction=0.5, dynamic_friction=0.3)
-        proxy = palpate.Proxy(model, [0, 0.022, 0])
-        self.assertRegex(repr(proxy.step([0, 0.022, 0])), r"force \[.* 3.* N, .*contacts 1, faults none>")
-        self.assertRegex(repr(proxy.steps([[0, 0.022, 0]] * 4)), r"Steps of shape \(4,\): 4 in contact, faults none>")
-        self.assertRegex(repr(proxy.steps([[0, 0.022, 0]] * 4)[0]),
-                         r"Steps one step: force \[.* 3.* N, torque \[.*contacts 1, faults none>")
-        self.assertEqual(repr(proxy), "<palpate.Proxy of ball>")
-        block = palpate.body("block", *palpate.box(SIZE), static_friction=0.5)
-        self.assertRegex(repr(block), r"Body block: 12 triangles, \d+ leaves, at \[0 0 0\] m")
-        self.assertRegex(repr(block.materials), "stiffness inf N/m, friction 0.5 static, 0 dynamic")
 
     def test_become_tables_only_where_pandas_and_xarray_are(self):
         path = numpy.tile([0, 0.022, 0], (3, 5, 1))
@@ -704,24 +648,6 @@ class Scenes(unittest.TestCase):
 
 
 class Errors(unittest.TestCase):
-    def test_have_the_words_of_the_library(self):
-        vertices, triangles = palpate.box(SIZE)
-        model = ball_on_block()
-        for words, wrong in {
-            "thing: ": lambda: palpate.body("thing", vertices, triangles + 1000),
-            r"vertices: must be an array \(n, 3\); its shape is \(8, 2\)": lambda: palpate.body("thing", vertices[:, :2], triangles),
-            "give 'surface' or 'spheres'": lambda: palpate.body("thing", vertices, triangles, contact="air"),
-            "friction: ": lambda: palpate.body("thing", vertices, triangles, dynamic_friction=1),
-            "stiffness": lambda: palpate.body("thing", vertices, triangles, stiffness=0),
-            "radius": lambda: palpate.ball("thing", math.nan),
-            "no object": lambda: palpate.Model([], palpate.ball("ball", 0.01)),
-            r"pose: .*its shape is \(2,\)": lambda: palpate.Proxy(model, [1, 2]),
-            r"poses: .*its shape is \(1, 2\)": lambda: palpate.Proxy(model, [0, 1, 0]).steps([[1, 2]]),
-            "threads": lambda: model.follow(numpy.zeros((1, 1, 3)), threads=-1),
-        }.items():
-            with self.subTest(words), self.assertRaisesRegex(palpate.Error, words):
-                wrong()
-        self.assertTrue(issubclass(palpate.Error, ValueError))
 
     def test_say_what_is_wrong_with_numbers_that_numpy_would_make_others_of(self):
         vertices, triangles = palpate.box(SIZE)
@@ -805,17 +731,6 @@ class Errors(unittest.TestCase):
         self.assertEqual(palpate.Model([block], ball, friction=0.3).parameters["friction"], 0.3)
         self.assertEqual(sent(block).name, "block")
 
-    def test_are_warnings_where_a_name_is_of_the_version_before(self):
-        block, ball = palpate.body("block", *palpate.box(SIZE)), palpate.ball("ball", 0.005)
-        for old, new in (({"stiffness": 500}, {"stiffness_N_per_m": 500}),
-                         ({"torsional_stiffness": 2}, {"torsional_stiffness_Nm_per_rad": 2}),
-                         ({"step": {"separation_um": 2}}, {"separation_um": 2})):
-            with self.assertWarns(DeprecationWarning):
-                model = palpate.Model([block], ball, **old)
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                self.assertEqual(palpate.Model([block], ball, **new).parameters, model.parameters)
-
     def test_of_open_meshes_are_remarks_of_the_body(self):
         vertices, triangles = palpate.box(SIZE)
         self.assertRegex(" ".join(palpate.body("lid", vertices, triangles[2:]).remarks), "open")
@@ -874,10 +789,6 @@ class Memory(unittest.TestCase):
             radii[0] = 1
         self.assertAlmostEqual(proxy.step([0, 0.022, 0]).force[1], 3, 2)
 
-    def test_of_vertices_is_not_copied(self):
-        block = palpate.body("block", *palpate.box(SIZE), leaves=64)
-        self.assertTrue(numpy.shares_memory(block.vertices, block.vertices))
-
 
 class Files(unittest.TestCase):
     def test_of_meshes_are_read_in_their_unit(self):
@@ -892,13 +803,6 @@ class Files(unittest.TestCase):
                 palpate.read_mesh(file, unit="furlong")
             with self.assertRaisesRegex(palpate.Error, "nowhere.stl"):
                 palpate.read_mesh(pathlib.Path(folder, "nowhere.stl"))
-
-    def test_that_are_no_recording_are_told_by_name(self):
-        with tempfile.NamedTemporaryFile(suffix=".mcap") as file:
-            file.write(b"no recording")
-            file.flush()
-            with self.assertRaisesRegex(palpate.Error, os.path.basename(file.name)):
-                palpate.read_recording(file.name)
 
 
 class Help(unittest.TestCase):
@@ -916,11 +820,6 @@ class Help(unittest.TestCase):
                         self.assertIn(line, shown, f"{stub}: {node.name}")
                     said += 1
         self.assertGreater(said, 45)
-
-    def test_says_what_is_given_and_what_comes_back(self):
-        self.assertIn("step(self, pose: ArrayLike) -> Report", pydoc.plain(pydoc.render_doc(palpate.Proxy.step)))
-        self.assertIn("NDArray[numpy.float64]: x y z in N", palpate.Report.force.__doc__)
-        self.assertIn("seconds: float=0.0", live.Station.move.__doc__)
 
 
 class Examples(unittest.TestCase):

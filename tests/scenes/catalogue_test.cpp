@@ -323,23 +323,6 @@ TEST_F(LoadedScene, TakesTheLevelAndTheUnitThatItIsTold) {
               AllOf(HasSubstr("objects[0].tree: "), HasSubstr("none.sph: No such file")));
 }
 
-TEST_F(LoadedScene, KeepsTheRemarkThatATreeHardlyFits) {
-  int made = 0;
-  options_.tell = [&](const std::string&) { ++made; };
-  WriteTree(70, Vec3::Zero());
-  WriteFile(folder_ + "/box.obj",
-            "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 10 10 0\nv 5 5 5\nf 1 4 2\nf 1 3 4\n"
-            "f 1 2 5\nf 2 4 5\nf 4 3 5\nf 3 1 5\n");
-  WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));
-  for (int load = 0; load < 2; ++load) {
-    const Scene scene = Load();
-    EXPECT_EQ(made, 1) << "the second time it is from the cache";
-    EXPECT_THAT(scene.objects[0].remarks,
-                ElementsAre(HasSubstr("as if they were of another mesh")));
-    EXPECT_THAT(ToText(JudgeScene(scene)), HasSubstr("as if they were of another mesh"));
-  }
-}
-
 std::string WithLeaves(const std::string& leaves, const std::string& more = "") {
   return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": "auto"}],
     "objects": [{"name": "egg", "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03]}, "leaves": )" +
@@ -485,13 +468,6 @@ TEST_F(LoadedScene, KeepsTheRemarkThatAToleranceIsOutOfReach) {
   }
 }
 
-TEST_F(LoadedScene, NamesTheRegionThatTheLeavesOfAToleranceAreTooFewFor) {
-  WriteFile(scene_, WithLeaves("\"auto\"", R"(, "regions": [
-      {"sphere": {"centre_mm": [90, 0, 0], "radius_mm": 0.01}, "material": {}}])"));
-  EXPECT_THAT(Complaint(), AllOf(HasSubstr("objects[0].regions[0]: covers no leaf of \"egg\""),
-                                 HasSubstr("more leaves")));
-}
-
 TEST_F(LoadedScene, BuildsTreesForTheContactThatIsAskedFor) {
   const Scene by_file = Load();
   EXPECT_EQ(by_file.features.contact, ContactModel::kSurface);
@@ -528,16 +504,6 @@ TEST_F(LoadedScene, FitsFewLeavesWhereNobodyFeelsThemAndTheFileLeavesThemOut) {
             kFewestByTolerance);
   options_.contact = ContactModel::kSpheres;
   EXPECT_GE(leaves(""), kFewestByTolerance);
-}
-
-TEST_F(LoadedScene, LeavesATreeFromAFileAloneWhereAModeIsNamed) {
-  WriteTree(70, Vec3::Zero());
-  WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));
-  const std::vector<std::uint8_t> plain = PackScene(Load());
-  options_.tree = TreeMode::kCover;
-  EXPECT_EQ(PackScene(Load()), plain);
-  EXPECT_THAT(warnings_,
-              ElementsAre(AllOf(HasSubstr("objects[0].tree: "), HasSubstr("is not changed"))));
 }
 
 TEST_F(LoadedScene, MendsABrokenCacheAndSaysSo) {
@@ -584,13 +550,6 @@ TEST_F(LoadedScene, TakesNoLinkFromItsCache) {
   EXPECT_FALSE(fs::is_symlink(cached));
 }
 
-TEST_F(LoadedScene, KeepsItsCacheWhereTheUsersCacheIs) {
-  options_.cache_dir.clear();
-  const Environment cache("XDG_CACHE_HOME", folder_ + "/xdg");
-  Load();
-  EXPECT_TRUE(fs::is_directory(folder_ + "/xdg/palpate"));
-}
-
 TEST_F(LoadedScene, TakesABundle) {
   const std::string bundle = folder_ + "/s.palpate";
   WriteFileAtomically(bundle, PackScene(Load()));
@@ -603,13 +562,6 @@ TEST_F(LoadedScene, LooksInTheCatalogueThatTheEnvironmentNames) {
   const Environment catalogue("PALPATE_CATALOGUE", folder_);
   EXPECT_EQ(LoadScene("s", options_).name, "s");
   EXPECT_THAT(CatalogueNames(), ElementsAre("s"));
-}
-
-TEST_F(LoadedScene, NamesTheSceneThatOneMayHaveMeant) {
-  EXPECT_THAT(ComplaintOf([] { LoadScene("buny-bunny"); }),
-              HasSubstr("there is no scene \"buny-bunny\"; did you mean \"bunny-bunny\"?"));
-  EXPECT_THAT(ComplaintOf([] { LoadScene("./none.json"); }),
-              HasSubstr("./none.json: No such file or directory"));
 }
 
 TEST_F(LoadedScene, NamesLineAndFileOfAMeshThatIsMissingOrBroken) {

@@ -84,20 +84,6 @@ TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   Run("build " + scene + " --tolerance-um 0", 2);
 }
 
-TEST_F(PalpateScene, BuildsTreesInTheModeThatIsNamed) {
-  const std::string egg = EggScene();
-  const auto outside = [&](const std::string& mode) {
-    const std::string bundle = folder + "/" + mode + ".palpate";
-    const std::string build = Run("build " + egg + " --mode " + mode + " -o " + bundle);
-    const Scene scene = LoadScene(bundle);
-    return MeasureCoverage(scene.objects[0].mesh, scene.objects[0].tree).outside.max;
-  };
-  // Both use one cache, which must tell them apart.
-  EXPECT_LT(outside("inside"), 1e-6);
-  EXPECT_GT(outside("balanced"), 1e-5);
-  EXPECT_LT(outside("inside"), 1e-6);
-}
-
 TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
   const std::string egg = EggScene();
   const std::string file = folder + "/e.sph";
@@ -237,12 +223,6 @@ TEST_F(PalpateScene, LeavesNothingBehindWhereCtrlCEndsABuild) {
   EXPECT_EQ(FilesIn(cache), before);
   EXPECT_THAT(Run("info " + small + " --cache " + cache), Not(HasSubstr("fitting balls")))
       << "it is not built anew";
-}
-
-TEST_F(PalpateScene, ListsTheCatalogue) {
-  const std::string list = Run("list");
-  for (const std::string& name : CatalogueNames()) EXPECT_THAT(list, HasSubstr(name + " "));
-  EXPECT_THAT(list, HasSubstr("cube              A ball of 5 mm radius on a cube"));
 }
 
 TEST_F(PalpateScene, EndsWithOneForAFailureAndTwoForWrongUsage) {

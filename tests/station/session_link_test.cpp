@@ -83,13 +83,6 @@ struct LinkedStation : testing::Test {
   Station station;
 };
 
-TEST_F(LinkedStation, HasTheServersToolAndItsFirstSession) {
-  EXPECT_EQ(station.link->phase(), SessionLink::Phase::kLinked);
-  EXPECT_EQ(station.link->PhaseText(), "active");
-  EXPECT_EQ(station.link->tool(), "sphere");
-  EXPECT_EQ(station.link->reconnects(), 0);
-}
-
 TEST(SessionLink, LosesNoPoseAtTheStart) {
   FakeServer server(kDomain, kUdp);
   Station station;
@@ -135,14 +128,6 @@ TEST(SessionLink, SaysWhenNoServerAnswers) {
   EXPECT_THAT(complaint, testing::HasSubstr("no server answers in domain " + kNumber));
   EXPECT_THAT(complaint, testing::HasSubstr("palpate-server --scene floor"));
   EXPECT_THAT(complaint, testing::HasSubstr("where it has an --identity, give one"));
-}
-
-TEST(SessionLink, SaysThatTheServerIsOfAnotherVersion) {
-  const dds::Participant participant = dds::Participant::Service(kDomain);
-  const dds::Writer<wire::ToolState> others(participant, dds::kSessionStateTopic,
-                                            dds::Qos::kSession);
-  Station station(0.2);
-  EXPECT_EQ(station.Complaint(), AnotherVersionIsThere(kDomain));
 }
 
 TEST(SessionLink, WaitsForAServerThatStartsLater) {

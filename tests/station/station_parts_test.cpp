@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
 
 #include "client/station/display.h"
 #include "client/station/pose_lead.h"
@@ -12,7 +11,7 @@
 #include "client/station/statistics_period.h"
 #include "common/math/rotation.h"
 #include "common/step_fault.h"
-#include "tests/support/complaint.h"
+#include "tests/support/approved.h"
 #include "tests/support/milliseconds.h"
 #include "tests/support/random.h"
 
@@ -216,7 +215,6 @@ TEST(PoseLead, LeavesWhatIsNoNumberToTheServerAndForgetsIt) {
   EXPECT_TRUE(std::isfinite(lead.lead_s()));
 }
 
-using testing::AllOf;
 using testing::HasSubstr;
 
 StationView View() {
@@ -238,14 +236,6 @@ StationView View() {
   return view;
 }
 
-TEST(LiveTable, TellsAMomentInALine) {
-  const std::string line = LiveTable::Line(View());
-  for (const char* part : {"12.4 s", "1000 Hz", "27/64 us", "3.1 us", "contacts 4", "1.42 N",
-                           "0.031 N m", "late 2", "lost 1", "active", "slide"}) {
-    EXPECT_THAT(line, HasSubstr(part));
-  }
-}
-
 TEST(LiveTable, LetsNoServerCommandTheTerminal) {
   StationView view = View();
   view.phase = "refused: a\nready\x1b[2J";
@@ -253,73 +243,6 @@ TEST(LiveTable, LetsNoServerCommandTheTerminal) {
   for (const std::string& line : LiveTable(stdout, LiveTable::Style::kLines).Lines(view)) {
     EXPECT_THAT(line, testing::Not(HasSubstr("\x1b[2J")));
   }
-}
-
-TEST(LiveTable, ShowsNoTimesWhereNoReplyCame) {
-  StationView view = View();
-  view.snapshot.replies = 0;
-  EXPECT_THAT(LiveTable::Line(view), HasSubstr("round trip -/- us"));
-}
-
-TEST(LiveTable, NamesFaultsAndAFadedForce) {
-  StationView view = View();
-  view.snapshot.faults = kFaultJammed | kFaultRowsFull;
-  view.snapshot.fading = true;
-  LiveTable table(stdout, LiveTable::Style::kInPlace);
-  EXPECT_THAT(table.Lines(view).back(), AllOf(HasSubstr("rows full (more contacts"),
-                                              HasSubstr("surfaces), force held back")));
-}
-
-TEST(LiveTable, BlamesASlowLoopAndNoReplyForAForceThatItHoldsBack) {
-  StationView view = View();
-  view.snapshot.nominal_hz = 1000.0;
-  view.snapshot.fading = true;
-  EXPECT_THAT(LiveTable::Line(view), HasSubstr("missing replies"));
-  view.snapshot.rate_hz = 198.0;
-  EXPECT_THAT(LiveTable::Line(view), AllOf(HasSubstr("slow (198 of 1000 Hz)"),
-                                           testing::Not(HasSubstr("missing replies"))));
-}
-
-TEST(LiveTable, ShowsThatTheDeviceIsAtFault) {
-  StationView view = View();
-  EXPECT_THAT(LiveTable::Line(view), testing::Not(HasSubstr("fault")));
-  view.snapshot.device_at_fault = true;
-  EXPECT_THAT(LiveTable::Line(view), HasSubstr("the device is at fault"));
-}
-
-TEST(LiveTable, GrowsItsScaleWithTheForce) {
-  LiveTable table(stdout, LiveTable::Style::kInPlace);
-  StationView view = View();
-  EXPECT_THAT(table.Lines(view), testing::Contains(HasSubstr(" 2 N")));
-  view.snapshot.peak_force_N = 7.0;
-  EXPECT_THAT(table.Lines(view), testing::Contains(HasSubstr(" 10 N")));
-  view.snapshot.peak_force_N = 0.0;
-  EXPECT_THAT(table.Lines(view), testing::Contains(HasSubstr(" 10 N")));
-}
-
-TEST(LiveTable, DrawsOverItsFormerSelf) {
-  std::FILE* file = std::tmpfile();
-  LiveTable table(file, LiveTable::Style::kInPlace);
-  table.Show(View());
-  const long once = std::ftell(file);
-  table.Show(View());
-  std::string text(static_cast<std::size_t>(std::ftell(file)), '\0');
-  std::rewind(file);
-  ASSERT_EQ(std::fread(text.data(), 1, text.size(), file), text.size());
-  std::fclose(file);
-  EXPECT_EQ(text.find("\x1b[9A"), static_cast<std::size_t>(once));
-}
-
-TEST(Bar, FillsItsShareToAnEighthOfACell) {
-  EXPECT_EQ(Bar(0.0, 1.0, 4), "····");
-  EXPECT_EQ(Bar(0.5, 1.0, 4), "██··");
-  EXPECT_EQ(Bar(0.125, 1.0, 4), "▌···");
-  EXPECT_EQ(Bar(9.0, 1.0, 4), "████");
-  EXPECT_EQ(Bar(-1.0, 1.0, 4), "····");
-}
-
-TEST(Sparkline, RisesWithItsValues) {
-  EXPECT_EQ(Sparkline({0.0, 0.1, 0.5, 1.0}, 1.0), " ▁▄█");
 }
 
 StationSummary Summary() {
@@ -343,54 +266,37 @@ StationSummary Summary() {
   return summary;
 }
 
-TEST(StationSummary, TellsPeopleTheFiguresOfTheRun) {
-  const std::string text = ToText(Summary());
-  EXPECT_THAT(text, HasSubstr("995.0 Hz"));
-  EXPECT_THAT(text, HasSubstr("late         10 (1.00 % over 1 ms)"));
-  EXPECT_THAT(text, HasSubstr("at most 3.25 N"));
-  EXPECT_THAT(text, HasSubstr("25 % of the time in contact"));
-  EXPECT_THAT(text, HasSubstr("20 % of the ticks by rows, 50.0 % of these beyond their region"));
-  EXPECT_THAT(text, HasSubstr("faults       none"));
-}
-
-TEST(StationSummary, CountsTheFaultsOfTheDevice) {
-  StationSummary summary = Summary();
-  const auto faults = [&] {
-    const std::string text = ToText(summary);
-    const std::size_t at = text.find("  faults ");
-    return text.substr(at, text.find('\n', at) - at);
+TEST(StationDisplay, IsAsPeopleHaveApproved) {
+  std::string text;
+  LiveTable table(stdout, LiveTable::Style::kInPlace);
+  const auto show = [&](const std::string& when, const StationView& view) {
+    text += "## " + when + "\n" + LiveTable::Line(view) + "\n";
+    for (const std::string& line : table.Lines(view)) text += line + "\n";
   };
-  summary.totals.ticks = 1000;
-  summary.totals.faults = 0;
-  EXPECT_THAT(faults(), HasSubstr("none"));
-  summary.totals.device_fault_ticks = 100;  // before it was ready
-  EXPECT_THAT(faults(), HasSubstr("none"));
+  StationView view = View();
+  show("a moment", view);
+  view.snapshot.peak_force_N = 7.0;
+  show("more force", view);
+  view.snapshot.replies = 0;
+  show("no reply", view);
+  view.snapshot.fading = true;
+  view.snapshot.nominal_hz = 1000.0;
+  show("fading", view);
+  view.snapshot.rate_hz = 198.0;
+  show("fading, because its loop is slow", view);
+  view.snapshot.faults = kFaultJammed | kFaultRowsFull;
+  view.snapshot.device_at_fault = true;
+  show("faults", view);
+
+  StationSummary summary = Summary();
+  text += "## the end\n" + ToText(summary) + ToJson(summary) + "\n";
   summary.totals.device_faults = 2;
-  EXPECT_THAT(faults(), AllOf(HasSubstr("device 2 times"), testing::Not(HasSubstr("none"))));
-  EXPECT_EQ(nlohmann::json::parse(ToJson(summary))["device_faults"], 2);
+  summary.totals.device_fault_ticks = 100;
   summary.totals.faults = kFaultJammed;
-  EXPECT_THAT(faults(), AllOf(HasSubstr("device 2 times"), HasSubstr("jam")));
-  summary.totals.device_fault_ticks = 1000;
-  EXPECT_THAT(faults(), HasSubstr("never ready"));
-}
-
-TEST(StationSummary, TellsProgramsTheSame) {
-  const nlohmann::json json = nlohmann::json::parse(ToJson(Summary()));
-  EXPECT_EQ(json["rate_hz"], 995.0);
-  EXPECT_EQ(json["late_fraction"], 0.01);
-  EXPECT_EQ(json["force_N_max"], 3.25);
-  EXPECT_EQ(json["rtt_us"]["p50"], 30.0);
-  EXPECT_EQ(json["limits"]["force_N"], 22.0);
-  EXPECT_EQ(json["limits"]["continuous_torque_Nm"], 0.188);
-  EXPECT_EQ(json["limiter"]["fades"], 0);
-  EXPECT_EQ(json["local_model"]["ticks"], 1990);
-  EXPECT_EQ(json["local_model"]["evaluations"], 398);
-  EXPECT_EQ(json["local_model"]["beyond_region"], 199);
-}
-
-TEST(StationSummary, NamesAFileThatCannotBeWritten) {
-  EXPECT_THAT(test::ComplaintOf([] { WriteJson(Summary(), "/nowhere/run.json"); }),
-              HasSubstr("--json /nowhere/run.json"));
+  text += "## the end, with faults\n" + ToText(summary);
+  summary.totals.device_fault_ticks = summary.totals.ticks;
+  text += "## the end of a device that was never ready\n" + ToText(summary);
+  test::ExpectApproved("tests/station/display.txt", text);
 }
 
 }  // namespace

@@ -41,15 +41,6 @@ TEST(PalpateStation, ExitsWithOneForAFileThatIsNotThere) {
   }
 }
 
-TEST(PalpateStation, ExitsWithOneWhereNoServerAnswers) {
-  const std::string domain = std::to_string(test::OwnDomain());
-  const Outcome outcome = RunStation({"--device", "simulated", "--scene", "no-such-scene", "--id",
-                                      "a", "--domain", domain, "--wait", "0.2"});
-  EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.text, HasSubstr("no server answers in domain " + domain));
-  EXPECT_THAT(outcome.text, HasSubstr("start 'palpate-server --scene no-such-scene"));
-}
-
 TEST(PalpateStation, NamesWhatADriverMissesThoughNoServerAnswers) {
   const std::string domain = std::to_string(test::OwnDomain());
   const std::string nothing = "/nowhere/it";

@@ -59,35 +59,6 @@ TEST(ConeProjection, LeavesWhatTheBestOfAllSetsOfGeneratorsLeaves) {
   }
 }
 
-TEST(ConeProjection, LeavesAMillionthOfWhatLiesInTheCone) {
-  Random random(12);
-  for (int trial = 0; trial < 300; ++trial) {
-    std::vector<Vec6L> generators;
-    Vec6L b = Vec6L::Zero();
-    long double loads = 0;
-    for (int i = random.Below(40); i >= 0; --i) {
-      const long double load = random.Uniform(0.0, 2.0);
-      generators.push_back(RandomUnit(random));
-      b += load * generators.back();
-      loads += load * load;
-    }
-    EXPECT_LE(static_cast<double>(LeftOfCone(generators, b).norm()),
-              1e-3 * static_cast<double>(std::sqrt(loads)))
-        << trial;
-    if (generators.size() == 1) {
-      EXPECT_NEAR(static_cast<double>(LeftOfCone(generators, b).norm() / b.norm()), 1e-6, 1e-9);
-    }
-  }
-}
-
-TEST(ConeProjection, LeavesEverythingWhereNothingPushesThatWay) {
-  Random random(13);
-  const Vec6L b = RandomUnit(random);
-  EXPECT_EQ(LeftOfCone({}, b), b);
-  const std::vector<Vec6L> away{-b};
-  EXPECT_EQ(LeftOfCone(away, b), b);
-}
-
 TEST(ConeProjection, MakesNoWedgeOfTwoWallsThatAreParallelUpToRounding) {
   Vec6L across = Vec6L::Zero();
   across[1] = 1;

@@ -78,17 +78,6 @@ struct SlowTool {
   std::vector<Pose> hand;
 };
 
-TEST(ContactFigures, SeeAToolThatCannotFollow) {
-  const std::vector<Pose> hand = Descent(1.0, 60);  // 1 m/s
-  const ContactFigures f = SlowTool(hand, hand.front()).Measure({.progress = {}});
-  EXPECT_LT(f.arrived, f.steps);
-  ASSERT_EQ(f.lag.size(), f.steps - f.arrived);
-  const double lag = *std::max_element(f.lag.begin(), f.lag.end());
-  EXPECT_GT(lag, 0.4e-3);
-  EXPECT_LT(lag, 3e-3);
-  EXPECT_THAT(BrokenLimits(f, {.arrived_fraction = 1.0}), HasSubstr("the tool arrived in"));
-}
-
 TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
   // At 0.5 mm per step the first distance takes 2,000 steps, the second 60.
   SlowTool tool({{Vec3(0.0, 1.0, 0.0)}, {Vec3(0.0, 0.03, 0.0)}}, {Vec3(0.0, 0.06, 0.0)});
@@ -109,42 +98,6 @@ TEST(ContactFigures, SeeAToolThatNeverArrivesThoughTheHandRests) {
   const ContactFigures unheld = tool.Measure({.progress = {}});
   EXPECT_EQ(unheld.held.tried, 0u);
   EXPECT_EQ(unheld.lag, f.lag);
-}
-
-TEST(ContactFigures, TrySomeOfManyStepsThatDoNotArriveEvenlySpread) {
-  const std::size_t steps = 3 * ContactFigures::kMostHeld;
-  SlowTool tool({steps, Pose{Vec3(0.0, 1.0, 0.0)}}, {Vec3(0.0, 0.06, 0.0)});
-  const ContactFigures f =
-      tool.Measure({.oracle_every = 0, .converge_every = 0, .hold_far = true, .progress = {}});
-  EXPECT_EQ(f.arrived, 0u);
-  EXPECT_EQ(f.longest_behind, steps);
-  EXPECT_EQ(f.held.tried, steps / 4);
-  // 0.94 m at 0.49 mm per step takes 1,919 steps.
-  EXPECT_EQ(f.held.never, f.held.tried);
-}
-
-TEST(ContactFigures, LeaveToTheHandTheHolesThatItMakes) {
-  std::vector<Pose> hand = Descent(0.1, 100);
-  const Pose out{hand.back().p + Vec3(0.0, 0.0015, 0.0)};
-  for (const std::size_t i : {60, 61, 62}) hand[i] = out;  // back within 10 ms
-  std::fill(hand.begin() + 80, hand.end(), out);           // and never again
-  const ContactFigures f = MeasureContact(BallOnCube(), hand, {.progress = {}});
-  EXPECT_GT(f.force.largest_jump.size, kJump);
-  EXPECT_TRUE(f.force.notches.empty());
-  EXPECT_TRUE(f.force.ledges.empty());
-}
-
-TEST(ContactFigures, SeeMeshesInEachOtherWhereSpheresStandForThem) {
-  Scene scene = MakeScene(MakeBox(Vec3::Constant(0.02)), 64, MakeBox(Vec3::Constant(0.05)), 256,
-                          ContactModel::kSpheres);
-  std::vector<Pose> hand;
-  for (int i = 0; i < 100; ++i) hand.push_back({Vec3(0.001, 0.038 - 5e-5 * i, 0.002)});
-  const ContactFigures f = MeasureContact(scene, hand, {.progress = {}});
-  EXPECT_GT(f.meeting, 10u);
-  EXPECT_GT(*std::max_element(f.depth.begin(), f.depth.end()), 1e-5);
-  EXPECT_EQ(f.depth[f.deepest_step], *std::max_element(f.depth.begin(), f.depth.end()));
-  EXPECT_THAT(BrokenLimits(f, {.meeting_fraction = 0.0, .depth = 1e-6}),
-              testing::AllOf(HasSubstr("meshes meet at"), HasSubstr("um deep at step")));
 }
 
 TEST(ContactFigures, EveryLimitCanBreak) {

@@ -58,25 +58,6 @@ TEST_F(JumpCauseTest, IsTheHandWhereTheSpringDoesNoMoreThanItWasMoved) {
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);
 }
 
-TEST_F(JumpCauseTest, IsTheHandWhereABallGoesRoundAnEdge) {
-  Scene scene = scene_;
-  scene.tools.front().mesh = MakeSphere(0.005, 320);
-  scene.tools.front().tree = SingleSphereTree(scene.tools.front().mesh, {Vec3::Zero(), 0.005});
-  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  const JumpJudge judge(scene, model);
-  // 4 mm deep the ball moves five times as far as the hand's 0.2 mm.
-  X_WH_.p.x() = 0.2e-3;
-  before_.wrench.force = Vec3(0.0, 4.0, 0.0);
-  after_.wrench.force = Vec3(0.99, 3.87, 0.0);
-  EXPECT_EQ(judge.Judge(X_WH_before_, before_, X_WH_, after_), JumpCause::kHand);
-  after_.wrench.force = Vec3(1.05, 3.86, 0.0);
-  EXPECT_EQ(judge.Judge(X_WH_before_, before_, X_WH_, after_), JumpCause::kUnexplained);
-  // Deeper than its radius it is judged like any tool.
-  before_.wrench.force = Vec3(0.0, 6.0, 0.0);
-  after_.wrench.force = Vec3(0.8, 5.95, 0.0);
-  EXPECT_EQ(judge.Judge(X_WH_before_, before_, X_WH_, after_), JumpCause::kUnexplained);
-}
-
 TEST_F(JumpCauseTest, IsUnexplainedWhereTheSameContactsHold) {
   Jump(-0.6);
   EXPECT_EQ(Cause(), JumpCause::kUnexplained);

@@ -1,7 +1,6 @@
 #include "tests/support/planar_rest.h"
 
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -35,54 +34,6 @@ PlanarFit Peg(int corners, double radius, double gap) {
     fit.sides.push_back({-Vec2(std::cos(angle), std::sin(angle)), -(apothem + gap)});
   }
   return fit;
-}
-
-TEST(PlanarRest, OfAPointInAGrooveBearsTheLoadOverTwiceTheSineOnEachSide) {
-  for (const double half_angle : {0.4, 0.8, 1.3}) {
-    const PlanarRest rest = RestOf(Groove(half_angle, {{0.0, 0.0}}), {0.0, -0.003}, 0.0);
-    EXPECT_LT(rest.at.norm(), 1e-15);
-    EXPECT_EQ(rest.angle, 0.0);
-    ASSERT_EQ(rest.load.size(), 2u);
-    for (const double load : rest.load) EXPECT_NEAR(load, 1.5 / std::sin(half_angle), 1e-12);
-  }
-}
-
-TEST(PlanarRest, OfAPointBesideTheGroovesMiddleIsOnOneSideUntilTheOtherIsMet) {
-  const PlanarFit groove = Groove(0.25 * M_PI, {{0.0, 0.0}});
-  const PlanarRest one = RestOf(groove, {0.003, 0.001}, 0.0);
-  ASSERT_EQ(one.holds, std::vector<int>{0});
-  EXPECT_NEAR((one.at - Vec2(0.002, 0.002)).norm(), 0.0, 1e-15);
-  EXPECT_NEAR(one.load[0], std::sqrt(2.0), 1e-12);
-  const PlanarRest both = RestOf(groove, {0.001, -0.003}, 0.0);
-  EXPECT_EQ(both.holds.size(), 2u);
-  EXPECT_LT(both.at.norm(), 1e-15);
-  // Sides at right angles each bear what of the pull lies along their normals.
-  EXPECT_NEAR(std::max(both.load[0], both.load[1]), 4.0 / std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(std::min(both.load[0], both.load[1]), 2.0 / std::sqrt(2.0), 1e-12);
-}
-
-TEST(PlanarRest, OfAPegPushedAsideStopsAtTheGapAndDoesNotTurn) {
-  const PlanarFit peg = Peg(4, 0.01, 50e-6);
-  const Vec2 aside = Vec2(1.0, 1.0).normalized();
-  const PlanarRest rest = RestOf(peg, 0.003 * aside, 0.0);
-  EXPECT_NEAR((rest.at - 50e-6 * aside).norm(), 0.0, 1e-12);
-  EXPECT_EQ(rest.angle, 0.0);
-  const PlanarRest corner = RestOf(peg, {0.003, 0.0}, 0.0);
-  EXPECT_EQ(corner.holds.size(), 2u);
-  EXPECT_NEAR((corner.at - Vec2(50e-6 * std::sqrt(2.0), 0.0)).norm(), 0.0, 1e-12);
-  EXPECT_EQ(corner.angle, 0.0);
-}
-
-TEST(PlanarRest, OfAPegThatIsTurnedStopsWhereItsCornersMeetTheSides) {
-  for (const int corners : {3, 4, 6}) {
-    constexpr double kRadius = 0.01, kGap = 50e-6;
-    const double to_side = M_PI / corners;
-    const double stop = to_side - std::acos(std::cos(to_side) + kGap / kRadius);
-    const PlanarFit peg = Peg(corners, kRadius, kGap);
-    EXPECT_NEAR(RestOf(peg, {0.0, 0.0}, 0.9 * stop).angle, 0.9 * stop, 1e-12);
-    EXPECT_NEAR(RestOf(peg, {0.0, 0.0}, 0.1).angle, stop, 1e-9) << corners;
-    EXPECT_NEAR(RestOf(peg, {0.0, 0.0}, -0.1).angle, -stop, 1e-9) << corners;
-  }
 }
 
 TEST(PlanarRest, IsFreeAndHasNoMoreEnergyThanAnyFreePoseAround) {

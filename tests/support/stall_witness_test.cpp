@@ -1,46 +1,9 @@
 #include "tests/support/stall_witness.h"
 
-#include <chrono>
-#include <vector>
-
 #include <gtest/gtest-spi.h>
-#include <sched.h>
-#include <unistd.h>
-
-#include "tests/support/program.h"
 
 namespace palpate::test {
 namespace {
-
-/// Keeps this process and its children on one processor while it lives, so that they compete.
-class OneProcessor {
- public:
-  OneProcessor() {
-    sched_getaffinity(0, sizeof before_, &before_);
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(sched_getcpu(), &one);
-    sched_setaffinity(0, sizeof one, &one);
-  }
-  ~OneProcessor() { sched_setaffinity(0, sizeof before_, &before_); }
-
- private:
-  cpu_set_t before_;
-};
-
-TEST(StallWitness, AddsUpWhatIsLostBitByBit) {
-  StallWitness witness;
-  const OneProcessor one;
-  // Two busy processes alternate every few milliseconds: of 100 ms each waits for about half.
-  std::vector<std::unique_ptr<Program>> busy;
-  for (int i = 0; i < 2; ++i) {
-    busy.push_back(std::make_unique<Program>(
-        "/bin/sh", std::vector<std::string>{"-c", "while :; do :; done"}));
-    witness.Watch(busy.back()->id());
-  }
-  for (int i = 0; i < 2000 && witness.longest_ms() < 33.0; ++i) usleep(10'000);
-  EXPECT_GE(witness.longest_ms(), 33.0);
-}
 
 TEST(Shown, MakesNoFurtherAttemptOnceOneHasShownOrFailed) {
   int attempts = 0;

@@ -242,8 +242,7 @@ class Model:
     parameters  values that differ from the defaults, by the names that parameters() lists, as in
                 Model([block], ball, stiffness_N_per_m=500, friction=0.3)
 
-    Bodies need names, each its own.  Until the next version, stiffness, torsional_stiffness and step={...} are taken,
-    too, with a DeprecationWarning.
+    Bodies need names, each its own.
     """
 
     def __init__(

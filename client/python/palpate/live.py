@@ -15,7 +15,6 @@ import atexit
 import os
 import threading
 import time
-import warnings
 import weakref
 
 from palpate import Error, _prose
@@ -84,11 +83,8 @@ class _Asking(threading.Thread):
 class Station(_Opened):
     _asking = _effect = None
 
-    def __init__(self, scene="", id="python", *, name=None, tool="", domain=0, network="lo", peers=(), identity="",
+    def __init__(self, scene="", id="python", *, tool="", domain=0, network="lo", peers=(), identity="",
                  transport="auto", start=None, max_force=100.0, max_torque=10.0, local_model=True, patience=10.0):
-        if name is not None:
-            warnings.warn("palpate.live.Station: name is now called id", DeprecationWarning, stacklevel=2)
-            id = name
         self._live = _live.Station(scene, id, tool, domain, network, list(peers), os.fspath(identity),
                                    transport, start, max_force, max_torque, local_model, patience)
         _open.add(self)
@@ -132,11 +128,6 @@ class Station(_Opened):
 
     def __repr__(self):
         return f"<palpate.live.Station {self.id} in {self.scene}: {self.phase}>"
-
-    @property
-    def name(self):
-        warnings.warn("palpate.live.Station: name is now called id", DeprecationWarning, stacklevel=2)
-        return self.id
 
     felt = property(lambda self: self._live.felt)
     phase = property(lambda self: self._live.phase)

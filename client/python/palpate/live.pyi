@@ -47,8 +47,7 @@ class Station:
     when a server answers again, the session is resumed.
 
     scene      name of the scene, as for palpate-station --scene; empty: the server's first
-    id         name of the station, as for palpate-station --id: letters, digits and _; until the next version also
-               name=, with a DeprecationWarning
+    id         name of the station, as for palpate-station --id: letters, digits and _
     tool       tool of the scene; empty: its only one
     domain, network, peers, identity, transport
                as the options of palpate-station; the identity has the role station and this id
@@ -64,7 +63,6 @@ class Station:
         scene: str = "",
         id: str = "python",
         *,
-        name: Optional[str] = None,
         tool: str = "",
         domain: int = 0,
         network: str = "lo",
@@ -109,9 +107,6 @@ class Station:
         over, closed."""
     @property
     def id(self) -> str: ...
-    @property
-    def name(self) -> str:
-        """The id, by the name of version 0.1; with a DeprecationWarning."""
     @property
     def scene(self) -> str: ...
     @property

@@ -50,26 +50,6 @@ describe("Manifests", () => {
     });
   });
 
-  it("would be told of a field that the API does not know, of one that is missing, and of a wrong word", () => {
-    const broken = (change) => {
-      const object = structuredClone(pods.find(({file}) => file === "station-host/server.yaml").object);
-      change(object, podOf(object));
-      return object;
-    };
-    const wrong = wrongWith([
-      broken((object, pod) => (pod.containers[0].readynessProbe = pod.containers[0].readinessProbe)),
-      broken((object) => delete object.spec.selector),
-      broken((object, pod) => (pod.containers[0].ports = [{containerPort: "8765"}])),
-      broken((object, pod) => (pod.volumes[0].emptyDir.sizeLimit = "plenty")),
-      broken(() => {}),
-    ]);
-    assert.match(wrong[0].join(), /readynessProbe/);
-    assert.match(wrong[1].join(), /selector/);
-    assert.match(wrong[2].join(), /number/);
-    assert.match(wrong[3].join(), /sizeLimit/);
-    assert.deepEqual(wrong[4], []);
-  });
-
   it("are made wholes of by kubectl, in every folder", (test) => {
     if (spawnSync("kubectl", ["version", "--client"]).status !== 0) return test.skip("there is no kubectl");
     for (const {file} of kustomizations()) {

@@ -238,13 +238,5 @@ TEST(ScorePlot, PlacesValuesBetweenTheTicksThatNameThem) {
   EXPECT_THAT(svg, HasSubstr(">60</text>"));
 }
 
-TEST(ScorePlot, HasThePagesColoursOfBothThemes) {
-  const std::string svg = ToSvg({Crowded(1.0)});
-  EXPECT_THAT(svg, HasSubstr("--paper: #f4f2ee"));
-  EXPECT_THAT(svg, HasSubstr("@media (prefers-color-scheme: dark) { :root {"));
-  EXPECT_THAT(svg, HasSubstr("--paper: #13161b"));
-  EXPECT_THAT(svg, HasSubstr("--series-8: var("));
-}
-
 }  // namespace
 }  // namespace palpate::test

@@ -132,24 +132,18 @@ void Copy(const std::string& from, const std::string& to, Change change) {
   writer.Close("");
 }
 
-/// Copies a recording's samples and none of its recorder's metadata; `change` may alter the schema
-/// and a sample's bytes.
-template <class Change>
-void CopySamples(const std::string& from, const std::string& to, Change change) {
+/// Copies a recording's samples and none of its recorder's metadata.
+void CopySamples(const std::string& from, const std::string& to) {
   RecordingReader reader({from});
   mcap::Writer writer(to, "test");
   std::map<std::string, std::uint16_t> channels;
-  RecordedSample sample{};
-  while (reader.Next(sample)) {
-    std::string schema = SchemaName(sample.type);
-    std::vector<std::uint8_t> cdr(sample.cdr.begin(), sample.cdr.end());
-    change(sample, schema, cdr);
+  for (RecordedSample sample{}; reader.Next(sample);) {
     const auto [channel, is_new] = channels.try_emplace(*sample.topic);
     if (is_new) {
-      channel->second =
-          writer.AddChannel(writer.AddSchema(schema, "omgidl", "of before"), *sample.topic, "cdr");
+      const std::uint16_t schema = writer.AddSchema(SchemaName(sample.type), "omgidl", "a text");
+      channel->second = writer.AddChannel(schema, *sample.topic, "cdr");
     }
-    writer.Write(channel->second, 0, sample.log_time_ns, sample.log_time_ns, cdr);
+    writer.Write(channel->second, 0, sample.log_time_ns, sample.log_time_ns, sample.cdr);
   }
   writer.Close();
 }
@@ -294,7 +288,7 @@ TEST_F(VerifyTest, RefusesASceneWhoseEffectsAreNotThoseThatWereRecorded) {
   write(R"({"name": "viscous", "damping_N_s_per_m": 5})");
   Record({.scene = scene}, file_);
   const std::string bare = folder_ / "bare.mcap";
-  CopySamples(file_, bare, [](const RecordedSample&, std::string&, std::vector<std::uint8_t>&) {});
+  CopySamples(file_, bare);
   EXPECT_TRUE(Only(Verify({bare}, {.scene = scene})).good());
   for (const char* other : {"", R"({"name": "viscous", "damping_N_s_per_m": 4})",
                             R"({"name": "viscous", "damping_N_s_per_m": 5}, {"name": "stick"})"}) {
@@ -317,22 +311,6 @@ TEST_F(VerifyTest, MakesTheSceneWholeBeforeTheSamePose) {
   EXPECT_GT(verdict.different, 0u);
   ASSERT_TRUE(verdict.first.has_value());
   EXPECT_EQ(verdict.first->pose_sequence, 150u);
-}
-
-// Before LoopWhole there was LeafTaken, whose leaf 4294967295 meant the same.
-TEST_F(VerifyTest, MakesTheSceneWholeWhereARecordingOfBeforeSaysSo) {
-  Record({.scene = Block(), .whole_before = 150}, file_);
-  const std::string former = folder_ / "former.mcap";
-  CopySamples(
-      file_, former,
-      [](const RecordedSample& sample, std::string& schema, std::vector<std::uint8_t>& cdr) {
-        if (sample.type != RecordedType::kLoopWhole) return;
-        schema = "palpate::LeafTaken";
-        cdr.insert(cdr.end(), {0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff});
-      });
-  const SessionVerdict verdict = Only(Verify({former}, {}));
-  EXPECT_TRUE(verdict.good()) << verdict.ends;
-  EXPECT_EQ(verdict.verified, kPoses);
 }
 
 // Only the poses tell what a button did to a bur.

@@ -104,43 +104,6 @@ TEST(CutScene, NamesTheRegionWhoseMeshEnclosesNothing) {
                              HasSubstr("the mesh is open at 3 edges"), HasSubstr("thickness")));
 }
 
-// The bur's tip is the tool's origin, its axis the tool's y.  Pressed down at 1 mm/s it has the
-// law's force of the material ahead, enamel and then dentine, and stops at the table.
-TEST(CutScene, IsFeltByItsBurThroughBothMaterialsDownToTheTable) {
-  const Scene scene = Load(SceneText(kBallBur, kEnamelOnDentine));
-  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
-  StepState state(model);
-  StepWorkspace workspace(model);
-  state.X_WG = state.X_WH = {Vec3(0, 1.51e-3, 0)};
-  const double disc = M_PI * 0.25e-6;
-  StepReport report;
-  const double whole = test::TotalLeft(state.cut.fields[0]);
-  int late = 0;
-  const auto down_to = [&](double y) {
-    for (double at = state.X_WH.p.y(); at > y; at -= 1e-6) {
-      report = HapticStep(model, {Vec3(0, at, 0)}, state, workspace);
-      // Where the neck enters the hole, contact looks into the blocks around it for the first time.
-      ASSERT_EQ(report.faults & ~kFaultTargetFar, 0u);
-      late += report.faults != 0;
-    }
-  };
-  // The hand is ahead of the bur by the force over 1 N/mm.
-  down_to(0.9e-3 - 0.47e-3);
-  EXPECT_NEAR(report.wrench.force.y(), disc * 0.6e6, 0.02 * disc * 0.6e6);
-  down_to(-0.6e-3);
-  const double in_dentine = disc * (0.2e6 + 0.05e9 * 1e-3 / 1.5);
-  EXPECT_NEAR(report.wrench.force.y(), in_dentine, 0.02 * in_dentine);
-  EXPECT_LT(std::hypot(report.wrench.force.x(), report.wrench.force.z()), 0.01 * in_dentine);
-  // A ball 2 mm deep leaves a cylinder with one round end.
-  const double depth = 1.5e-3 - state.X_WG.p.y() - 0.5e-3;
-  const double volume = whole - test::TotalLeft(state.cut.fields[0]);
-  EXPECT_NEAR(volume, disc * (depth + 0.5e-3 / 1.5), 0.01 * volume);
-  down_to(-3.0e-3);
-  EXPECT_LE(late, 6);  // single cycles, in 4,500
-  EXPECT_NEAR(state.X_WG.p.y(), -2.0e-3, 5e-6);
-  EXPECT_NEAR(report.wrench.force.y(), 1.0, 0.01);
-}
-
 // A cycle's cost must not grow with the hand's speed: the bur lags instead, and the material it has
 // reached holds the hand back.
 TEST(CutScene, ABurThatIsAllInTheMaterialGoesNoFartherInACycleThanItsTimeAllows) {

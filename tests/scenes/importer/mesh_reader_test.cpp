@@ -12,6 +12,7 @@
 #include "scenes/mesh/mesh_report.h"
 #include "tests/scenes/support.h"
 #include "tests/support/dirty_mesh.h"
+#include "tests/support/refusals.h"
 #include "tests/support/written_mesh.h"
 
 namespace palpate {
@@ -74,20 +75,6 @@ TEST(ObjReader, KnowsObjectsAndTheGroupsInThem) {
   EXPECT_EQ(groups, "left side 0-1, jaw 0-2, tooth 2-3, right 1-3, ");
 }
 
-TEST(ObjReader, SaysWhichLineIsNone) {
-  const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  EXPECT_THAT(
-      Complaint("a.obj", three + "f 1 2 x\n"),
-      AllOf(StartsWith("a.obj: line 4: 'x' is not a corner"), HasSubstr("export it again")));
-  EXPECT_THAT(Complaint("a.obj", three + "f 0 1 2\n"), HasSubstr("'0' is not a corner"));
-  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 -4\n"), HasSubstr("'-4' is not a corner"));
-  EXPECT_THAT(Complaint("a.obj", three + "f 1 2 9\n"), HasSubstr("its face 1 names vertex 9 of 3"));
-  EXPECT_THAT(Complaint("a.obj", "\r\nv 1,5 2 3\r\n"), HasSubstr("line 2: '1,5' is not a number"));
-  EXPECT_THAT(Complaint("a.obj", "v 1 2\n"), HasSubstr("line 1: a vertex has fewer than three"));
-  EXPECT_THAT(Complaint("a.obj", "surf 0 1 0 1 1 2 3 4\n"), HasSubstr("free-form surface"));
-  EXPECT_THAT(Complaint("a.obj", std::string("\xff\xfe") + "v"), HasSubstr("UTF-16"));
-}
-
 TEST(Polygons, AreCutWithinTheirOutlineWhereTheyAreNotConvex) {
   // An L whose first vertex is next to the inner one, upright in space.
   const TriangleMesh mesh =
@@ -144,15 +131,6 @@ TEST(StlReader, PassesOverWhatStandsBehindButNoFacet) {
   EXPECT_THAT(Complaint("more.stl", fewer), HasSubstr("declares 13 facets, and 12 are present"));
 }
 
-TEST(StlReader, SaysWhichLineIsNone) {
-  const std::string plain = test::TextStlOf(WrittenBox());
-  EXPECT_THAT(Complaint("a.stl", With(plain, "vertex 1 ", "vertex one ")),
-              HasSubstr("is not a number; the file is damaged"));
-  EXPECT_THAT(Complaint("a.stl", With(plain, "endloop", "endloup")),
-              HasSubstr("line 7: 'endloup' stands where endloop should, after 0 whole facets"));
-  EXPECT_THAT(Complaint("a.stl", "o box"), HasSubstr("it is not STL"));
-}
-
 // --- PLY ---
 
 TEST(PlyReader, PassesOverNumbersThatAreNone) {
@@ -182,22 +160,6 @@ TEST(PlyReader, ReadsStripsOfTriangles) {
     for (const int v : strips) put(v);
     ExpectTheBox("strips.ply", text);
   }
-}
-
-TEST(PlyReader, SaysWhatItsHeaderLacks) {
-  const std::string plain = test::PlyOf(WrittenBox(), false);
-  EXPECT_THAT(Complaint("a.ply", With(plain, "property double y", "property duoble y")),
-              HasSubstr("an unknown type, 'duoble'"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "property double y", "proprety double y")),
-              HasSubstr("a line that begins with 'proprety'"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "double y", "double j")), HasSubstr("no x, y or z"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "vertex_indices", "corners")),
-              HasSubstr("vertex_indices"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "element face", "element edge")),
-              HasSubstr("points but no faces"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "3 0 ", "3 8 ")), HasSubstr("names vertex 9 of 8"));
-  EXPECT_THAT(Complaint("a.ply", With(plain, "3 0 ", "3 0.5 ")),
-              HasSubstr("face names the vertex 0.5"));
 }
 
 // --- glTF ---
@@ -356,10 +318,10 @@ TEST(GltfReader, RefusesWhatReachesBeyondItsBuffer) {
 
 // --- any file ---
 
-TEST(MeshReader, SaysWhatANameLacks) {
-  EXPECT_THAT(Complaint("folder/tooth", "solid"),
-              AllOf(StartsWith("folder/tooth: its name has no extension"), HasSubstr(".stl")));
-  EXPECT_THAT(Complaint("a.step", "x"), HasSubstr("the format \"step\" is not known"));
+TEST(MeshReader, SaysWhatIsWrongAndWhere) {
+  test::ExpectRefusals("tests/scenes/importer/mesh_reader.refusals",
+                       [](const auto& inputs) { return Complaint(inputs.at(0), inputs.at(1)); });
+  EXPECT_THAT(Complaint("a.obj", std::string("\xff\xfe") + "v"), HasSubstr("UTF-16"));
 }
 
 /// Vertex positions in the order of the file.
