@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/course/sql.h"
+#include "client/course/sql.inl"
 #include "common/error.h"
 
 namespace palpate {

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "client/course/sql.h"
+#include "client/course/sql.inl"
 #include "common/error.h"
 
 namespace palpate {

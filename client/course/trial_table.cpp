@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-#include "client/course/sql.h"
+#include "client/course/sql.inl"
 
 namespace palpate {
 namespace {

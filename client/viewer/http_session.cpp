@@ -222,10 +222,13 @@ void HttpSession::Answer(const Request& request) {
   }
   if (*path == kHealth) {
     last_ = true;  // every page asks every few seconds: none should hold a connection for that
-    return GiveText(request, http::status::ok, HealthOf(hub_), "application/json");
+    return GiveText(request, http::status::ok,
+                    HealthOf(hub_.viewers(), hub_.feed(), hub_.tools().mice()), "application/json");
   }
   if (*path == kMetrics) {
-    return GiveText(request, http::status::ok, MetricsOf(hub_), kMetricsContentType);
+    return GiveText(request, http::status::ok,
+                    MetricsOf(hub_.viewers(), hub_.feed(), hub_.tools().mice()),
+                    kMetricsContentType);
   }
   if (path->starts_with(kScene) && path->ends_with(kBundle) &&
       path->size() > kScene.size() + kBundle.size()) {

@@ -16,7 +16,13 @@
 namespace palpate {
 
 /// The parts of the gateway that its connections share, and what joins them: each tick, and each
-/// viewer that comes or goes.
+/// viewer that comes or goes.  A part knows only of those above it:
+///   Viewers     who is connected: places, limits of wishes, refusals, traffic
+///   Rights      who may come in: tokens, and the course's people
+///   TopicFeed   the servers' topics and scenes, and requests to the server
+///   CourseDesk  class, exercises, trials, exams, history: what a person's page may ask
+///   ToolDesk    who takes, loses and comes back to a tool, and restores a scene
+///   ServerDesk  replays, decisions about stations, goals
 /// Thread contract: the network thread.
 class Hub {
  public:

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "client/viewer/hub.h"
 #include "client/viewer/page_messages.h"
 #include "common/metrics/metrics_page.h"
 #include "common/realtime/steady_clock.h"
@@ -21,20 +20,19 @@ std::string OrNone(const std::string& text) {
 
 }  // namespace
 
-std::string HealthOf(Hub& hub) {
-  const TopicFeed& feed = hub.feed();
-  const Viewers::Traffic traffic = hub.viewers().traffic();
+std::string HealthOf(Viewers& viewers, const TopicFeed& feed, const MouseRoom& mice) {
+  const Viewers::Traffic traffic = viewers.traffic();
   nlohmann::json compiling;
   if (const wire::SceneProgress* of = feed.compiling()) {
     compiling = {{"scene", of->scene}, {"stage", of->stage}, {"done", of->done}};
   }
-  return ToText(nlohmann::json({{"viewers", hub.viewers().all().size()},
-                                {"max_viewers", hub.options().max_viewers},
+  return ToText(nlohmann::json({{"viewers", viewers.all().size()},
+                                {"max_viewers", viewers.places().most()},
                                 {"frames_sent", traffic.sent},
                                 {"frames_dropped", traffic.lost},
                                 {"bytes_sent", traffic.bytes},
-                                {"mice", hub.tools().mice().size()},
-                                {"refusals", hub.viewers().refusals().count()},
+                                {"mice", mice.size()},
+                                {"refusals", viewers.refusals().count()},
                                 {"stations", feed.stations()},
                                 {"scenes", NamesOf(feed.scenes())},
                                 {"server_run", fmt::format("{:x}", feed.server().run)},
@@ -43,22 +41,21 @@ std::string HealthOf(Hub& hub) {
                                 {"version", PALPATE_VERSION}}));
 }
 
-std::string MetricsOf(Hub& hub) {
-  const TopicFeed& feed = hub.feed();
-  const Viewers::Traffic traffic = hub.viewers().traffic();
+std::string MetricsOf(Viewers& viewers, const TopicFeed& feed, const MouseRoom& mice) {
+  const Viewers::Traffic traffic = viewers.traffic();
   MetricsPage page;
   page.Add(metric::kGatewayBuild, 1.0, {{"version", PALPATE_VERSION}});
   page.Add(metric::kGatewayMemory, ResidentMemoryBytes());
-  page.Add(metric::kGatewayViewers, std::uint64_t{hub.viewers().all().size()});
-  page.Add(metric::kGatewayViewersLimit, std::uint64_t{hub.options().max_viewers});
-  page.Add(metric::kGatewayMice, std::uint64_t{hub.tools().mice().size()});
+  page.Add(metric::kGatewayViewers, std::uint64_t{viewers.all().size()});
+  page.Add(metric::kGatewayViewersLimit, std::uint64_t{viewers.places().most()});
+  page.Add(metric::kGatewayMice, std::uint64_t{mice.size()});
   page.Add(metric::kGatewayStations, std::uint64_t{feed.stations().size()});
   page.Add(metric::kGatewayScenes, std::uint64_t{feed.scenes().size()});
   page.Add(metric::kGatewayIn, traffic.taken);
   page.Add(metric::kGatewayOut, traffic.sent);
   page.Add(metric::kGatewayDropped, traffic.lost);
   page.Add(metric::kGatewayBytes, traffic.bytes);
-  page.Add(metric::kGatewayRefusals, hub.viewers().refusals().count());
+  page.Add(metric::kGatewayRefusals, viewers.refusals().count());
   return page.ToText();
 }
 

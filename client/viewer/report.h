@@ -3,17 +3,16 @@
 #include <cstdint>
 #include <string>
 
+#include "client/viewer/mouse_room.h"
+#include "client/viewer/topic_feed.h"
 #include "client/viewer/viewers.h"
 
 namespace palpate {
 
-class Hub;
-class TopicFeed;
-
 /// Returns the answer to GET /healthz.
-std::string HealthOf(Hub& hub);
+std::string HealthOf(Viewers& viewers, const TopicFeed& feed, const MouseRoom& mice);
 /// Returns the answer to GET /metrics, for Prometheus.
-std::string MetricsOf(Hub& hub);
+std::string MetricsOf(Viewers& viewers, const TopicFeed& feed, const MouseRoom& mice);
 
 /// Logs how much the gateway carries, every five seconds.
 class StatisticsLog {

@@ -38,6 +38,7 @@ class ViewerPlaces {
   void Leave(Id id);
 
   std::size_t size() const { return guests_.size(); }
+  std::size_t most() const { return most_; }
 
  private:
   struct Guest {

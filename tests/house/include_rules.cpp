@@ -103,10 +103,10 @@ const std::vector<Rule> kRules = {
     // minizip for what a person is given, ICU for their names.  SQL is for its tables alone.
     {"client/course",
      {"common", "scenes", "client/course"},
-     {"common/dds", "client/course/sql.h"},
+     {"common/dds", "client/course/sql.inl"},
      {"Eigen", "spdlog", "nlohmann-json", "OpenSSL", "minizip", "ICU"}},
     {"client/course/course_file.cpp", {"common", "client/course"}, {}, {"spdlog", "SQLite"}},
-    {"client/course/sql.h", {"client/course"}, {}, {"SQLite"}},
+    {"client/course/sql.inl", {"client/course"}, {}, {"SQLite"}},
     {"client/course/exam_table.cpp", {"common", "client/course"}, {}, {"spdlog", "nlohmann-json"}},
     {"client/course/roster_table.cpp", {"common", "client/course"}, {}, {}},
     {"client/course/trial_table.cpp", {"client/course"}, {}, {}},
