@@ -425,6 +425,41 @@ std::vector<MadeShape> MakeShapes(const std::vector<const BodyDescription*>& bod
   return all;
 }
 
+/// Makes a body of its shape.
+Body BodyOf(const BodyDescription& from, Shape shape, const LoadOptions& options, SceneSize& size) {
+  Body body;
+  body.name = from.name;
+  body.mesh = std::move(shape.mesh);
+  body.tree = std::move(shape.tree);
+  body.X_WB = from.X_WB;
+  body.look = from.look;
+  body.moved = from.moved;
+  body.remarks = std::move(shape.remarks);
+  if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->margin != nullptr) {
+    body.margin = kind->margin(from.mesh.variant, from.mesh.values);
+  }
+  if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->bur != nullptr) {
+    body.bur = kind->bur(from.mesh.variant, from.mesh.values);
+    body.bur->spin = from.spin;
+  }
+  if (from.edge) {
+    CheckEdge(*from.edge, body.mesh, from.edge_where);
+    body.bur = from.edge;
+  }
+  PaintLeaves(from, shape.groups, body);
+  for (std::size_t i = 0; body.grid && i < from.regions.size(); ++i) {
+    const MeshSource& inner = from.regions[i].mesh;
+    if (from.regions[i].kind != RegionDescription::Kind::kMesh) continue;
+    Shape within;
+    within.mesh = MakeMesh(inner, options.models_dir, within);
+    if (inner.curved) Curve(inner, options, within);
+    About(inner.where, [&] { CheckEncloses(within.mesh, body.name); });
+    About(inner.where, [&] { size.Add(from.name, within.mesh, {}); });
+    body.grid->regions[i].mesh = std::move(within.mesh);
+  }
+  return body;
+}
+
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
@@ -432,6 +467,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.tuning = description.tuning;
   scene.features = description.features;
   scene.first_sight = description.first_sight;
+  scene.moved = description.moved;
   const std::vector<const BodyDescription*> distinct = DistinctBodies(description);
   std::vector<MadeShape> shapes = MakeShapes(distinct, options);
   const auto number_of = [&](const BodyDescription& body) {
@@ -450,36 +486,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
     made.Tell();
     Shape shape = --users[number] > 0 ? made.shape : std::move(made.shape);
     About(from.mesh.where, [&] { size.Add(from.name, shape.mesh, shape.tree); });
-    Body body;
-    body.name = from.name;
-    body.mesh = std::move(shape.mesh);
-    body.tree = std::move(shape.tree);
-    body.X_WB = from.X_WB;
-    body.look = from.look;
-    body.remarks = std::move(shape.remarks);
-    if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->margin != nullptr) {
-      body.margin = kind->margin(from.mesh.variant, from.mesh.values);
-    }
-    if (const ShapeKind* kind = ShapeOf(from.mesh); kind != nullptr && kind->bur != nullptr) {
-      body.bur = kind->bur(from.mesh.variant, from.mesh.values);
-      body.bur->spin = from.spin;
-    }
-    if (from.edge) {
-      CheckEdge(*from.edge, body.mesh, from.edge_where);
-      body.bur = from.edge;
-    }
-    PaintLeaves(from, shape.groups, body);
-    for (std::size_t i = 0; body.grid && i < from.regions.size(); ++i) {
-      const MeshSource& inner = from.regions[i].mesh;
-      if (from.regions[i].kind != RegionDescription::Kind::kMesh) continue;
-      Shape within;
-      within.mesh = MakeMesh(inner, options.models_dir, within);
-      if (inner.curved) Curve(inner, options, within);
-      About(inner.where, [&] { CheckEncloses(within.mesh, body.name); });
-      About(inner.where, [&] { size.Add(from.name, within.mesh, {}); });
-      body.grid->regions[i].mesh = std::move(within.mesh);
-    }
-    return body;
+    return BodyOf(from, std::move(shape), options, size);
   };
   for (const BodyDescription& tool : description.tools) {
     scene.tools.push_back(compile(tool));

@@ -10,6 +10,7 @@
 #include "common/math/pose.h"
 #include "common/step_tuning.h"
 #include "scenes/effects/effects.h"
+#include "scenes/moved_group.h"
 #include "scenes/sphere_tree.h"
 
 namespace palpate {
@@ -94,6 +95,8 @@ struct Body {
   std::vector<std::uint8_t> leaf_material;
   std::vector<Material> materials{Material{}};
   Pose X_WB{};         ///< objects: the pose.  Tools: the start pose.
+  /// Objects: number of the group of Scene::moved that it belongs to, from 1; 0: it stands still.
+  std::uint32_t moved = 0;
   std::string look{};  ///< what viewers draw it as; empty: what its material is
   /// Share of the surrounding space that each vertex sees, 0 to 255 (ambient_light.h); empty: all.
   std::vector<std::uint8_t> ambient{};
@@ -142,7 +145,8 @@ struct FirstSight {
 struct Scene {
   std::string name;
   std::vector<Body> tools;    ///< moved by hands, one station each
-  std::vector<Body> objects;  ///< fixed in W
+  std::vector<Body> objects;  ///< fixed in W, but for those of a group
+  std::vector<MovedGroup> moved{};
   Coupling coupling;
   StepTuning tuning;
   Features features;

@@ -290,6 +290,17 @@ void DefineModels(py::module_& module, const Prose& prose) {
            py::arg("model"), py::arg("pose"), prose("Proxy.__init__"))
       .def_property_readonly("start_depth",
                              [](const Hand& hand) { return hand.proxy.start_depth(); })
+      .def_property_readonly(
+          "moved",
+          [](const Hand& hand) {
+            py::dict poses;
+            const auto groups = hand.proxy.model().moved();
+            for (std::size_t i = 0; i < groups.size(); ++i) {
+              poses[py::str(groups[i].name)] = FromPose(hand.proxy.X_moved(i));
+            }
+            return poses;
+          },
+          prose("Proxy.moved"))
       .def(
           "restart",
           [](Hand& hand, const py::object& pose) {

@@ -66,6 +66,7 @@ void Taps::TapServer() {
   TapService<wire::LoopWhole>(dds::kLoopWholeTopic, dds::Qos::kRecordSession);
   TapService<wire::SceneWhole>(dds::kSceneWholeTopic, dds::Qos::kRecordSession);
   TapService<wire::ToolState>(dds::kToolStateTopic, dds::Qos::kRecord);
+  TapService<wire::MovedState>(dds::kMovedStateTopic, dds::Qos::kRecord);
   TapService<wire::LoopStatistics>(dds::kLoopStatisticsTopic, dds::Qos::kRecord);
 }
 

@@ -70,6 +70,7 @@ struct TopicFeed::Readers {
   const dds::Participant& on;
   const std::shared_ptr<dds::Source> of, anyone = std::make_shared<dds::Source>(dds::Source::kFew);
   dds::CdrReader<wire::ToolState> tool_states{on, dds::kToolStateTopic, dds::Qos::kStream, of};
+  dds::CdrReader<wire::MovedState> moved{on, dds::kMovedStateTopic, dds::Qos::kStream, of};
   dds::CdrReader<wire::LoopStatistics> statistics{on, dds::kLoopStatisticsTopic, dds::Qos::kStream,
                                                   of};
   dds::CdrReader<wire::StationStatistics> stations{on, dds::kStationStatisticsTopic,
@@ -186,8 +187,8 @@ void TopicFeed::Drain(dds::CdrReader<T>& reader, std::uint32_t channel, Use use,
     frame->origin = raw.origin;
     frame->time_ns = raw.source_time_ns;
     frame->payload = std::move(raw.cdr);
-    frame->state =
-        channel != kToolState && channel != kLoopStatistics && channel != kStationStatistics;
+    frame->state = channel != kToolState && channel != kMovedState && channel != kLoopStatistics &&
+                   channel != kStationStatistics;
     use(frame, sample);
   }
   dds::FreeContents(sample);
@@ -266,6 +267,7 @@ void TopicFeed::Poll(const std::function<void(const FramePtr&)>& on_frame,
   const auto of_server = [&](const FramePtr& frame, const auto&) {
     if (!IsForeign(frame->origin)) on_frame(frame);
   };
+  Drain(readers_->moved, kMovedState, of_server);
   Drain(readers_->tool_states, kToolState, of_server);
   Drain(readers_->statistics, kLoopStatistics, of_server);
   Drain(readers_->stations, kStationStatistics,
@@ -369,6 +371,7 @@ std::vector<std::string> TopicFeed::stations() const {
 std::vector<foxglove::Channel> ChannelsFor(bool mice, bool steers, bool of_course, bool teaches) {
   std::vector<foxglove::Channel> channels = {
       CdrChannel<wire::ToolState>(TopicFeed::kToolState, dds::kToolStateTopic),
+      CdrChannel<wire::MovedState>(TopicFeed::kMovedState, dds::kMovedStateTopic),
       CdrChannel<wire::LoopStatistics>(TopicFeed::kLoopStatistics, dds::kLoopStatisticsTopic),
       CdrChannel<wire::StationStatistics>(TopicFeed::kStationStatistics,
                                           dds::kStationStatisticsTopic),

@@ -60,6 +60,7 @@ class TopicFeed {
     kTrial,        ///< to each of those people, about their own trial
     kExam,         ///< to each of those people: the open exam; to operators: all of it
     kExamAnswer,   ///< to each operator, about its commands
+    kMovedState,
   };
   /// Throws Error if DDS fails.
   explicit TopicFeed(int domain, const dds::Network& network = {});

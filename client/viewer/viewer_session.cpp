@@ -225,7 +225,8 @@ void ViewerSession::Subscribe(const foxglove::Request& request) {
                      : " is refused: there is no such channel"));
       continue;
     }
-    const bool rated = wanted.channel == TopicFeed::kToolState;
+    const bool rated =
+        wanted.channel == TopicFeed::kToolState || wanted.channel == TopicFeed::kMovedState;
     if (!hub_.viewers().Refuse(Wish::kSubscribe, *this, now_ns).empty()) continue;
     queue_.Subscribe(wanted.channel, wanted.id,
                      rated ? static_cast<std::int64_t>(1e9 / hub_.options().rate_hz) : 0);

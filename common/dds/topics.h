@@ -32,6 +32,7 @@ inline constexpr const char* kReplayStateTopic = "palpate/replay_state";
 inline constexpr const char* kReplayRequestTopic = "palpate/replay_request";
 inline constexpr const char* kGuideTopic = "palpate/guide";
 inline constexpr const char* kToolStateTopic = "palpate/tool_state";
+inline constexpr const char* kMovedStateTopic = "palpate/moved_state";
 inline constexpr const char* kSceneOfferTopic = "palpate/scene_offer";
 inline constexpr const char* kSceneBundleTopic = "palpate/scene_bundle";
 inline constexpr const char* kSceneProgressTopic = "palpate/scene_progress";

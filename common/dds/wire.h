@@ -31,7 +31,7 @@ const dds_topic_descriptor_t& Descriptor();
 #define PALPATE_SERVICE_TYPES(X) \
   X(SessionRequest) X(SessionState) X(LoopWhole) X(OperateRequest) X(WholeRequest) X(SceneWhole) \
   X(ToolState) X(GuideTarget) X(LoopStatistics) X(StationStatistics) X(SceneBundle) \
-  X(SceneOffer) X(SceneProgress) X(SolidBlock) X(CutLog) X(ReplayContents) X(ReplayState) \
+  X(MovedState) X(SceneOffer) X(SceneProgress) X(SolidBlock) X(CutLog) X(ReplayContents) X(ReplayState) \
   X(ReplayRequest)
 // clang-format on
 
@@ -57,6 +57,7 @@ using OfferedScene = palpate_OfferedScene;
 using ReplayMark = palpate_ReplayMark;
 using ReplayGap = palpate_ReplayGap;
 using ReplayWish = palpate_ReplayWish;
+using BodyPose = palpate_BodyPose;
 
 /// The number of a Wrench's rows that stand for contacts if effects are active.  The two rows after
 /// them are the forces of passive effects and of those that are not.

@@ -31,6 +31,7 @@ const Entry& EntryOf(RecordedType type) {
       {"palpate::SceneWhole", &session},
       {"palpate::SolidBlock", &solid},
       {"palpate::CutLog", &solid},
+      {"palpate::MovedState", &teaching},
   }};
   return entries[static_cast<std::size_t>(type)];
 }

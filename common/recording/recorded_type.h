@@ -28,13 +28,14 @@ enum class RecordedType {
   kSceneWhole,
   kSolidBlock,
   kCutLog,
+  kMovedState,
 };
 /// Their wire types, in the same order.
 using RecordedWires =
     std::tuple<wire::HapticPose, wire::Wrench, wire::SessionRequest, wire::SessionState,
                wire::LoopWhole, wire::ToolState, wire::LoopStatistics, wire::SceneBundle,
                wire::GuideTarget, wire::StationStatistics, wire::SceneOffer, wire::WholeRequest,
-               wire::SceneWhole, wire::SolidBlock, wire::CutLog>;
+               wire::SceneWhole, wire::SolidBlock, wire::CutLog, wire::MovedState>;
 inline constexpr int kRecordedTypes = std::tuple_size_v<RecordedWires>;
 
 /// @tparam T  a type of RecordedWires.

@@ -158,6 +158,18 @@ auto PackEffects(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
   return packed.empty() ? 0 : out.CreateVector(packed);
 }
 
+auto PackMoved(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
+  std::vector<flatbuffers::Offset<wire::MovedGroup>> packed;
+  for (const MovedGroup& group : scene.moved) {
+    std::vector<wire::MotionKey> keys;
+    for (const MotionKey& key : group.keys) keys.emplace_back(key.at, key.turn, ToWire(key.shift));
+    const wire::Vec3 point = ToWire(group.point), axis = ToWire(group.axis);
+    packed.push_back(wire::CreateMovedGroupDirect(out, group.name.c_str(), &point, &axis,
+                                                  group.smooth, group.repeats, &keys));
+  }
+  return packed.empty() ? 0 : out.CreateVector(packed);
+}
+
 void Require(bool holds, const char* what) {
   if (!holds) throw Error(what);
 }
@@ -447,6 +459,23 @@ Effect FromWire(const wire::Effect& in) {
   return effect;
 }
 
+MovedGroup FromWire(const wire::MovedGroup& in) {
+  Require(in.point() != nullptr && in.axis() != nullptr, "a group that moves has no axis");
+  MovedGroup group{.name = ReadName(*in.name()),
+                   .point = FromWire(*in.point()),
+                   .axis = FromWire(*in.axis()),
+                   .keys = {},
+                   .smooth = in.smooth(),
+                   .repeats = in.repeats()};
+  for (const wire::MotionKey* key : *in.keys()) {
+    group.keys.push_back({key->at(), key->turn(), FromWire(key->shift())});
+  }
+  if (const std::string fault = MotionFault(group); !fault.empty()) {
+    throw Error(group.name + ": " + fault);
+  }
+  return group;
+}
+
 Features FromWire(const wire::Features& in) {
   Require(in.contact() <= wire::Contact::MAX && in.friction() <= wire::Friction::MAX,
           "its features are not known");
@@ -492,6 +521,7 @@ Scene ReadScene(const wire::Scene& in) {
       ReadMaterials(*body, bodies.back());
       ReadGrid(body->grid(), bodies.back());
       ReadBur(body->bur(), bodies.back());
+      bodies.back().moved = body->moved();
     }
     return bodies;
   };
@@ -508,6 +538,13 @@ Scene ReadScene(const wire::Scene& in) {
   scene.features = FromWire(*in.features());
   if (in.effects() != nullptr) {
     for (const wire::Effect* effect : *in.effects()) scene.effects.push_back(FromWire(*effect));
+  }
+  if (in.moved() != nullptr) {
+    Require(in.moved()->size() <= kMostMoved, "too many groups move");
+    for (const wire::MovedGroup* group : *in.moved()) scene.moved.push_back(FromWire(*group));
+  }
+  for (const Body& object : scene.objects) {
+    Require(object.moved <= scene.moved.size(), "an object moves with no group");
   }
   if (const wire::FirstSight* sight = in.first_sight()) {
     scene.first_sight = {FromWire(sight->centre()), sight->radius(), FromWire(sight->from())};
@@ -602,7 +639,7 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
           keep && !body.remarks.empty() ? out.CreateVectorOfStrings(body.remarks) : 0,
           keep ? static_cast<wire::TreeOrigin>(body.tree.origin) : wire::TreeOrigin::Unknown,
           margin.empty() ? 0 : out.CreateVectorOfStructs(margin), PackGrid(body, out),
-          PackBur(body, out)));
+          PackBur(body, out), body.moved));
     }
     return out.CreateVector(packed);
   };
@@ -611,18 +648,20 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
   const auto geometries_at = out.CreateVector(geometries);
   const auto name = out.CreateString(scene.name);
   const auto effects = PackEffects(scene, out);
+  const auto moved = PackMoved(scene, out);
   const wire::Features features = ToWire(scene.features);
   std::optional<wire::FirstSight> sight;
   if (scene.first_sight) {
     sight.emplace(ToWire(scene.first_sight->centre), scene.first_sight->radius,
                   ToWire(scene.first_sight->from));
   }
-  out.Finish(wire::CreateScene(
-                 out, name, geometries_at, tools, objects, scene.coupling.stiffness,
-                 scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
-                 scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
-                 scene.tuning.iterates, scene.tuning.queries, scene.tuning.still_cycles, effects),
-             wire::SceneIdentifier());
+  out.Finish(
+      wire::CreateScene(out, name, geometries_at, tools, objects, scene.coupling.stiffness,
+                        scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
+                        scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
+                        scene.tuning.iterates, scene.tuning.queries, scene.tuning.still_cycles,
+                        effects, moved),
+      wire::SceneIdentifier());
 
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);

@@ -25,6 +25,8 @@ enum class BodyKind { kTool, kObject };
 
 constexpr std::size_t kMaxMaterials = 256;  // of a body: Body::leaf_material holds bytes
 constexpr std::size_t kShapeTriangles = 5120;
+constexpr std::size_t kMostKeys = 1000;
+constexpr double kLastKey_s = 3600.0, kMostTurn_deg = 720.0;
 constexpr double kLongest = 1000.0;  // [m]: a greater length means a forgotten unit
 constexpr double kStrongestVibration = 0.5;
 constexpr double kHighestVibration = 400.0;  // [Hz]: below half of the 1,000 poses per second
@@ -562,8 +564,8 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   const bool object = kind == BodyKind::kObject;
   const std::string_view pose_field = object ? "pose" : "start";
   if (object) {
-    node.AllowOnly(
-        {"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions", "grid_um"});
+    node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions",
+                    "grid_um", "moved"});
   } else {
     node.AllowOnly({"name", "mesh", "bur", "speed_rpm", "vibration", "edge", "leaves", "tree",
                     pose_field, "look"});
@@ -629,6 +631,71 @@ std::vector<BodyDescription> ReadBodies(const JsonNode& list, BodyKind kind, con
   return bodies;
 }
 
+/// Reads how a group of objects moves.
+MovedGroup ReadMoved(const JsonNode& node) {
+  node.AllowOnly({"name", "point_mm", "axis", "motion", "repeats", "keys"});
+  MovedGroup group;
+  group.name = ReadName(node.At("name"));
+  if (auto point = node.Find("point_mm")) group.point = 1e-3 * point->Vector();
+  if (auto axis = node.Find("axis")) group.axis = ReadDirection(*axis);
+  if (auto motion = node.Find("motion"))
+    group.smooth = motion->OneOf({"smooth", "steady"}) == "smooth";
+  if (auto repeats = node.Find("repeats")) group.repeats = repeats->Boolean();
+  for (const JsonNode& item : node.At("keys").Items(2, kMostKeys)) {
+    item.AllowOnly({"t", "turn_deg", "shift_mm"});
+    MotionKey& key = group.keys.emplace_back();
+    key.at = std::llround(1e3 * item.At("t").Number(0.0, kLastKey_s));
+    if (auto turn = item.Find("turn_deg")) {
+      if (!node.Has("axis"))
+        turn->Fail("is about no axis; give \"" + group.name + "\" an \"axis\"");
+      key.turn = M_PI / 180.0 * turn->Number(-kMostTurn_deg, kMostTurn_deg);
+    }
+    if (auto shift = item.Find("shift_mm")) key.shift = 1e-3 * shift->Vector();
+  }
+  if (const std::string fault = MotionFault(group); !fault.empty()) node.At("keys").Fail(fault);
+  return group;
+}
+
+/// Reads the groups of objects that move, and which objects belong to them.
+void ReadAllMoved(const JsonNode& root, SceneDescription& scene) {
+  if (auto moved = root.Find("moved")) {
+    for (const JsonNode& item : moved->Items(1, kMostMoved)) {
+      MovedGroup group = ReadMoved(item);
+      if (std::ranges::count(scene.moved, group.name, &MovedGroup::name) > 0) {
+        item.At("name").Fail("\"" + group.name + "\" is taken; give each group its own name");
+      }
+      scene.moved.push_back(std::move(group));
+    }
+  }
+  const std::vector<JsonNode> objects = root.At("objects").Items();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto name = objects[i].Find("moved");
+    if (!name) continue;
+    if (scene.moved.empty())
+      name->Fail("names no group; list it under \"moved\", beside \"objects\"");
+    std::vector<std::string_view> groups;
+    for (const MovedGroup& group : scene.moved) groups.push_back(group.name);
+    const std::string group = name->OneOf(groups);
+    BodyDescription& object = scene.objects[i];
+    object.moved =
+        static_cast<std::uint32_t>(std::ranges::find(groups, group) - groups.begin() + 1);
+    if (object.grid || FeltByLeaves(object) || scene.features.contact == ContactModel::kSpheres) {
+      name->Fail("only what is rigid, not cut and felt by its mesh can move; drop it, or " +
+                 std::string(object.grid            ? "grid_um"
+                             : FeltByLeaves(object) ? "the stiffness and modulus"
+                                                    : "use \"contact\": \"surface\""));
+    }
+  }
+  for (std::size_t i = 0; i < scene.moved.size(); ++i) {
+    if (std::ranges::count(scene.objects, i + 1, &BodyDescription::moved) > 0) continue;
+    root.At("moved").Items()[i].Fail("moves nothing; give an object \"moved\": \"" +
+                                     scene.moved[i].name + "\", or drop it");
+  }
+  if (!scene.moved.empty() && scene.tools.size() > 1) {
+    root.At("moved").Fail("goes with one tool only; drop the others, or serve seats (--seats)");
+  }
+}
+
 }  // namespace
 
 bool IsOfName(unsigned char c) {
@@ -687,7 +754,7 @@ void ReadTuning(const JsonNode& node, StepTuning& tuning) {
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
-                  "first_sight", "step", "effects", "whole_at_start"});
+                  "first_sight", "step", "effects", "whole_at_start", "moved"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = SceneNameOf(path);
@@ -715,6 +782,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   ChooseModes(scene);
   CheckCurved(root, scene);
   CheckCutting(root, scene);
+  ReadAllMoved(root, scene);
   if (auto whole = root.Find("whole_at_start")) {
     scene.whole_at_start = whole->Boolean();
     const bool is_cut = std::ranges::any_of(

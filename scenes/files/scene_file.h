@@ -91,6 +91,7 @@ struct BodyDescription {
   std::optional<BurProfile> edge;          ///< for tools that cut with an edge of their mesh
   std::string edge_where;                  ///< "file:line: field"
   std::string look;                        ///< one of kLooks; empty: by its material
+  std::uint32_t moved = 0;                 ///< objects: as Body::moved
 };
 
 /// The looks that viewers can draw.  Those of teeth, gums, tongues and probes assume the frames
@@ -102,6 +103,7 @@ inline constexpr std::string_view kLooks[] = {"tooth",    "gum",   "tongue", "fa
 struct SceneDescription {
   std::string name;
   std::vector<BodyDescription> tools, objects;
+  std::vector<MovedGroup> moved;
   Coupling coupling;
   StepTuning tuning;
   std::string coupling_where;  ///< "file:line: field" of the torsional stiffness

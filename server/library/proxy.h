@@ -42,6 +42,9 @@ class Proxy {
   }
 
   const Pose& X_WG() const { return state_.X_WG; }
+  /// Where a group of objects that moves is, relative to where its objects are placed.
+  /// @param group  index in HapticModel::moved
+  const Pose& X_moved(std::size_t group) const { return state_.frames.at(group + 1).X_WB; }
   const HapticModel& model() const { return model_; }
   /// All that the next step remembers.  If it is copied and restored, the same poses
   /// give the same bits.

@@ -141,6 +141,7 @@ void ForEachMember(State& all, Visit& visit) {
     ForEachMemberOfPose(frame.X_WB_next, visit);
     SeparationFront::ForEachMember(frame.front, [&](auto&& member) { visit(member); });
   }
+  visit(state.moved);
   auto& friction = state.friction;
   visit(friction.still);
   visit(friction.resets);
@@ -262,9 +263,21 @@ std::uint64_t ContentOf(const HapticModel& model) {
     hash(model.tool_body()->radius);
     AddTriangles(model.tool_body()->tree, hash);
   }
+  for (const MovedGroup& group : model.moved()) {
+    hash.Add(group.point.data(), sizeof(Vec3));
+    hash.Add(group.axis.data(), sizeof(Vec3));
+    hash(group.smooth);
+    hash(group.repeats);
+    for (const MotionKey& key : group.keys) {
+      hash(key.at);
+      hash(key.turn);
+      hash.Add(key.shift.data(), sizeof(Vec3));
+    }
+  }
   for (const ContactBody& body : model.bodies()) {
     hash.Add(body.X_BS.p.data(), sizeof(Vec3));
     hash.Add(body.X_BS.R.data(), sizeof(Mat3));
+    hash(body.frame);
     AddTriangles(body.shape->tree, hash);
   }
   return hash.value();

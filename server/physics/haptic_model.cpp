@@ -23,15 +23,24 @@ bool TouchesByLeaves(const PlacedTree& object) {
 }  // namespace
 
 SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact_model,
-                           std::vector<CutSolid> cut_solids)
+                           std::vector<CutSolid> cut_solids, std::vector<MovedGroup> moved_groups)
     : contact(contact_model),
       forest(objects, contact == ContactModel::kSurface ? &TouchesByLeaves : &IsUncut),
-      solids(std::move(cut_solids)) {
+      solids(std::move(cut_solids)),
+      moved(std::move(moved_groups)) {
   for (const PlacedTree& object : objects) {
     if (object.frame == 0 || (contact == ContactModel::kSurface && TouchesByMesh(object))) continue;
     throw Error(
         "an object moves that is touched by its leaves, or cut: only rigid meshes can move; use "
         "\"contact\": \"surface\", and a material without stiffness");
+  }
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    if (const std::string fault = MotionFault(moved[i]); !fault.empty())
+      throw Error(moved[i].name + ": " + fault);
+    const auto number = static_cast<std::int32_t>(i + 1);
+    if (std::ranges::count(objects, number, &PlacedTree::frame) == 0) {
+      throw Error(moved[i].name + ": moves no object; name it in one as \"moved\"");
+    }
   }
   if (contact != ContactModel::kSurface) return;
   bodies = MakeBodies(objects);

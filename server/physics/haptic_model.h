@@ -22,11 +22,13 @@ namespace palpate {
 /// the meshes of those objects that are touched by their mesh.  Immutable; the models of all tools
 /// share it.
 struct SceneObjects {
-  /// Throws Error if there is no object, if a tree is empty or not finite, or if
-  /// ContactModel::kSurface needs a mesh that an object lacks.
+  /// Throws Error if there is no object, if a tree is empty or not finite, if
+  /// ContactModel::kSurface needs a mesh that an object lacks, or if a group has no object or no
+  /// motion.
   explicit SceneObjects(std::span<const PlacedTree> objects,
                         ContactModel contact_model = ContactModel::kSpheres,
-                        std::vector<CutSolid> cut_solids = {});
+                        std::vector<CutSolid> cut_solids = {},
+                        std::vector<MovedGroup> moved_groups = {});
   SceneObjects(const SceneObjects&) = delete;  // `uncut` refers to the others
 
   /// The boxes of the blocks of the solids that burs can cut (surface/solid_bodies.h): the last of
@@ -44,6 +46,7 @@ struct SceneObjects {
   std::optional<ObjectForest> insides;
   std::vector<CutSolid> solids;  ///< that burs can cut
   UncutBodies uncut;
+  std::vector<MovedGroup> moved;  ///< group i is frame i + 1
 };
 
 /// Everything that a step needs and never changes: one tool and the objects of a scene.  Built when
@@ -66,6 +69,7 @@ class HapticModel {
   const MovingBody* tool_body() const { return tool_body_.get(); }
   std::span<const ContactBody> bodies() const { return objects_->bodies; }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
+  std::span<const MovedGroup> moved() const { return objects_->moved; }
   const UncutBodies& uncut() const { return objects_->uncut; }
   const ObjectForest* insides() const { return objects_->insides ? &*objects_->insides : nullptr; }
   /// Returns whether compliance is among the features and some leaf is soft.

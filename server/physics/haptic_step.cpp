@@ -68,6 +68,7 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   bounds = FirstBounds(context.model, hand_step);
   if (state.behind.translation > 0.0) bounds = state.behind;
   if (context.buffers().meshes) state.frames.resize(context.buffers().meshes->of.size());
+  AimFrames(context.model, state);
   const auto [moved, turned] = MotionOfFrames(context);
   if (moved + turned > 0.0) {
     bounds =

@@ -58,13 +58,15 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
       if (!fault.empty()) throw Error(object.name + ": " + fault);
     }
     placed.push_back({&object.tree, object.X_WB, &object.mesh, object.leaf_material,
-                      object.materials, object.grid.has_value(), for_balls});
+                      object.materials, object.grid.has_value(), for_balls,
+                      static_cast<std::int32_t>(object.moved)});
     if (object.grid) {
       solids.push_back(SolidOf(object));
       solids.back().object = static_cast<std::uint32_t>(placed.size() - 1);
     }
   }
-  return std::make_shared<const SceneObjects>(placed, scene.features.contact, std::move(solids));
+  return std::make_shared<const SceneObjects>(placed, scene.features.contact, std::move(solids),
+                                              scene.moved);
 }
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,

@@ -78,6 +78,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
                        std::span<const CutField> cuts) {
   const DefaultRounding rounding;
   StepState state;
+  state.moved = -1;  // groups are where they begin
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
     state.solids = SolidBodies(model.uncut());
     state.frames.resize(CountFrames(model.bodies()));

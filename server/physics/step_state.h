@@ -103,10 +103,21 @@ struct StepState {
   /// frame (TargetFrom).
   Vec3 rotation_G = Vec3::Zero();
   std::vector<BodyFrame> frames;  ///< by their number
+  /// Steps that the groups of the model have made; negative: they rest (start_pose.h).
+  std::int64_t moved = 0;
   SolidBodies solids;             ///< the solids that burs cut, as contact feels them
   FrictionState friction;
   CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state
+
+  /// Puts the groups of the model where they begin.
+  void RestMoved() noexcept {
+    moved = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+      frames[i].X_WB = frames[i].X_WB_next = Pose{};
+      frames[i].front.Clear();
+    }
+  }
 
   /// Call when the graphic tool or `cut.fields` are set from outside: no contact is known any more.
   void ForgetContact() noexcept {

@@ -70,6 +70,7 @@ void SetScaled(const Wrench& full, const EffectWrenches& effects, double gain,
 }  // namespace
 
 ServoLoop::ServoLoop(const HapticModel& model) : model_(model), workspace_(model), state_(model) {
+  snapshot_.moved = model.moved().size();
   if (!state_.cut.fields.empty()) {
     cut_blocks_ = std::make_unique<Ring<CutBlock, 256>>();
     given_ = std::make_unique<Ring<CutBlock, 64>>();
@@ -135,6 +136,7 @@ void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
   // What cannot be recorded is not done.
   if (newest == period_ || !wholes_.Push(pose_sequence)) return;
   for (CutField& cut : state_.cut.fields) cut.MakeWhole();
+  state_.RestMoved();
   merging_ = 0;
   started_ = false;
   gain_ = 0.0;
@@ -270,6 +272,9 @@ void ServoLoop::Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept {
   snapshot_.contacts = answer.contacts;
   snapshot_.faults = answer.faults;
   snapshot_.has_pose = has_pose_;
+  for (std::size_t i = 0; i < snapshot_.moved; ++i) {
+    snapshot_.X_moved[i] = state_.frames[i + 1].X_WB;
+  }
   snapshot_.step_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - taken_ns);
   snapshots_.Write(snapshot_);
 

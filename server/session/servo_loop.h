@@ -52,6 +52,9 @@ struct LoopSnapshot {
   /// the tool is held.
   int points = 0;
   std::array<ContactForce, std::tuple_size_v<decltype(StepReport::active)>> point;
+  /// The groups of objects that move, relative to where their objects are placed.
+  std::size_t moved = 0;
+  std::array<Pose, kMostMoved> X_moved;
 };
 
 /// The servo loop of one session: answers each pose with a wrench when the pose arrives.

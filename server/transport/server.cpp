@@ -147,6 +147,7 @@ Server::Server(dds::Participant loop_domain, dds::Participant service_domain,
       scene_bundles_(service_domain_, dds::kSceneBundleTopic, dds::Qos::kSession),
       offers_(service_domain_, dds::kSceneOfferTopic, dds::Qos::kSession),
       tool_states_(service_domain_, dds::kToolStateTopic, dds::Qos::kStream),
+      moved_states_(service_domain_, dds::kMovedStateTopic, dds::Qos::kStream),
       statistics_(service_domain_, dds::kLoopStatisticsTopic, dds::Qos::kStream) {}
 
 Server::~Server() {
@@ -384,7 +385,21 @@ void Server::PublishToolState(Session& session) {
   state.faults = snapshot.faults;
   state.buttons = snapshot.buttons;
   SetContactPoints(snapshot, state);
+  if (snapshot.moved > 0) PublishMoved(session);
   tool_states_.Write(state);
+}
+
+void Server::PublishMoved(const Session& session) {
+  const LoopSnapshot& snapshot = session.snapshot();
+  std::vector<wire::BodyPose> poses(snapshot.moved);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    wire::FromPose(snapshot.X_moved[i], poses[i].position_m, poses[i].orientation_wxyz);
+  }
+  wire::MovedState state{};
+  wire::FromText(session.tool().scene, state.scene);
+  state.pose_sequence = snapshot.pose_sequence;
+  PointTo(poses, state.moved);
+  moved_states_.Write(state);
 }
 
 void Server::ReportStatistics(Station& station, std::int64_t now_ns) {

@@ -76,6 +76,7 @@ class Server {
   void UpdateLinks(std::int64_t now_ns);
   void ForgetStreams(const std::string& station);
   void PublishToolState(Session& session);
+  void PublishMoved(const Session& session);
   void ReportStatistics(Station& station, std::int64_t now_ns);
   /// Called each second, and at the end of the session, because a flood may be
   /// shorter than a second.
@@ -98,6 +99,7 @@ class Server {
   dds::Writer<wire::SceneBundle> scene_bundles_;
   dds::Writer<wire::SceneOffer> offers_;
   dds::Writer<wire::ToolState> tool_states_;
+  dds::Writer<wire::MovedState> moved_states_;
   dds::Writer<wire::LoopStatistics> statistics_;
   std::map<std::string, Station> stations_;
   std::map<std::string, std::int64_t> over_since_ns_;  // by station: since its refusal or end

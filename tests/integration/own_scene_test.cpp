@@ -1,4 +1,5 @@
 // A scene that only the server has: stations and mice learn about it from the server.
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -7,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "common/dds/cdr_reader.h"
+#include "common/recording/recording_reader.h"
 #include "tests/integration/rig.h"
 
 namespace palpate::test {
@@ -138,6 +141,46 @@ TEST_F(OwnScene, IsMadeOfAMeshAndFeltAtOnce) {
   EXPECT_EQ(felt["scene"], "tooth");
   EXPECT_GT(felt["contact_fraction"], 0.2);
   EXPECT_GT(felt["force_N_max"], 0.1);
+}
+
+// The box rises under a hand that stands still: it is felt, published, recorded and verified where
+// it is.
+TEST_F(OwnScene, MovesByItselfAndIsRecordedWhereItIs) {
+  Write("lift.json", R"({
+  "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.004}, "leaves": 1,
+             "start": {"position_mm": [0, 20, 0]}}],
+  "objects": [{"name": "box", "mesh": {"shape": "box", "size_m": [0.04, 0.02, 0.03]}, "moved": "lift"}],
+  "moved": [{"name": "lift", "keys": [{"t": 0}, {"t": 1, "shift_mm": [0, 10, 0]}]}]})");
+  Write("lift.path.json", R"({"keys": [{"t": 0, "position_mm": [0, 20, 0]}, {"t": 3, "position_mm": [0, 20, 0]}]})");
+  Serve({"--scene", (folder / "lift.json").string()});
+  const fs::path file = fs::path(json).replace_extension(".mcap");
+  Program recorder(PALPATE_BIN_DIR "/palpate-record", {"-o", file.string(), "--transport", "udp",
+                                                       "--domain", std::to_string(kDomain)});
+  ASSERT_TRUE(recorder.Says("recording")) << recorder.Output();
+  const auto station =
+      Station({"--device", "scripted", "--scene", "lift", "--for", "3", "--await-recorder"});
+  EXPECT_EQ(station->Exit(), 0) << station->Output();
+  recorder.Signal(SIGINT);
+  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+
+  double highest = 0.0, force = 0.0;
+  RecordingReader reader({file.string()});
+  for (RecordedSample sample{}; reader.Next(sample);) {
+    dds::Owned<wire::MovedState> moved;
+    wire::ToolState tool{};
+    if (sample.To(moved.value)) {
+      ASSERT_EQ(moved.value.moved._length, 1u);
+      EXPECT_STREQ(moved.value.scene, "lift");
+      highest = moved.value.moved._buffer[0].position_m[1];
+    }
+    if (sample.To(tool)) force = tool.force_N[1];
+  }
+  EXPECT_NEAR(highest, 0.010, 1e-9);
+  EXPECT_NEAR(force, 4.0, 0.01);
+  Program replay(PALPATE_BIN_DIR "/palpate-replay", {file.string(), "--verify"});
+  EXPECT_EQ(replay.Exit(60.0), 0) << replay.Output();
+  EXPECT_THAT(replay.Output(), HasSubstr("verified, bit for bit"));
+  fs::remove(file);
 }
 
 }  // namespace

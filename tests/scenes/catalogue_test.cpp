@@ -107,8 +107,8 @@ class LoadedScene : public testing::Test {
 TEST(Catalogue, HoldsTheScenesThatTheProjectPromises) {
   EXPECT_THAT(CatalogueNames(),
               IsSupersetOf({"cube", "ellipsoid", "bunny-bunny", "bunny-bunny-22k", "dragon-buddha",
-                            "dragon-dragon", "periodontal", "oral-cavity", "pipes", "friction",
-                            "calculus", "caries", "crown", "osteotomy", "mould"}));
+                            "dragon-dragon", "periodontal", "oral-cavity", "jaw", "pipes",
+                            "friction", "calculus", "caries", "crown", "osteotomy", "mould"}));
   for (const std::string& name : CatalogueNames()) {
     const std::string file = FindSceneFile(name);
     const SceneDescription scene = ParseScene(ReadWholeFile(file), file);

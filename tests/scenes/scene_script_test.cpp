@@ -357,6 +357,25 @@ TEST(SceneScript, OralCavityProbeTouchesAll28TeethAndEveryTissue) {
     EXPECT_TRUE(touched.contains(object.name)) << object.name;
 }
 
+// By the exact oracle, with the jaw where it is.
+TEST(SceneScript, JawPushesTheProbeAndIsNeverEntered) {
+  std::unique_ptr<test::MeshOracle> oracle;
+  double closed = 0.0;
+  int step = 0, meet = 0;
+  const Playback run = Play("jaw", 8.0, [&](const Moment& m, const StepState& state) {
+    if (!oracle) oracle = std::make_unique<test::MeshOracle>(LoadScene("jaw"));
+    const Pose& X_jaw = state.frames[1].X_WB;
+    closed = std::max(closed, RotationLog(X_jaw.q).norm());
+    if (++step % 5 != 0) return;
+    oracle->Move({&X_jaw, 1});
+    meet += oracle->Meet(m.report.X_WG) ? 1 : 0;
+  });
+  EXPECT_EQ(meet, 0);
+  EXPECT_NEAR(closed, M_PI * 12.0 / 180.0, 1e-3);
+  const std::set<std::string> touched = run.Touched();
+  EXPECT_TRUE(touched.contains("lower-right-first-molar"));
+}
+
 TEST(SceneScript, PipesLetTheBunnyThroughAll17) {
   const Playback run = Play("pipes", 12.0);
   const std::string file = FindSceneFile("pipes");

@@ -56,6 +56,12 @@ struct Converged {
   StepReport report;
   bool converged = false;
 };
+/// The state, with the objects that move held where they are.
+StepState Held(StepState state) {
+  state.moved = -1;
+  return state;
+}
+
 Converged Converge(const ContactPath& path, const ShapeMotion& motion, const Pose& X_WH,
                    StepState state) {
   Converged answer;
@@ -250,6 +256,11 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
       }
     }
     if (Due(i, checks.oracle_every)) {
+      std::vector<Pose> moved;
+      for (std::size_t k = 0; k < path.scene.moved.size(); ++k) {
+        moved.push_back(state.frames[k + 1].X_WB);
+      }
+      oracle.Move(moved);
       const MeshOracle::Overlap overlap = oracle.At(report.X_WG);
       figures.depth.push_back(overlap.depth);
       figures.meeting += overlap.meet;
@@ -259,7 +270,7 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
       }
     }
     if (Due(i, checks.converge_every)) {
-      const Converged truth = Converge(path, motion, X_WH, state);
+      const Converged truth = Converge(path, motion, X_WH, Held(state));
       figures.unconverged += !truth.converged;
       figures.force_error.push_back((wrench.force - truth.report.wrench.force).norm());
       if (!far) figures.arrived_error.push_back(figures.force_error.back());
@@ -270,8 +281,8 @@ ContactFigures MeasureContact(const ContactPath& path, const ContactChecks& chec
     }
     support.Count(report);
     if (Due(i, checks.judge_every)) support.Judge(i, X_WH, report, state);
-    if (checks.hold_far && far) holder.Add(path, i, state, wrench.force);
-    if (Due(i, checks.settle_every)) Settle(path, motion, i, state, figures.settling);
+    if (checks.hold_far && far) holder.Add(path, i, Held(state), wrench.force);
+    if (Due(i, checks.settle_every)) Settle(path, motion, i, Held(state), figures.settling);
     if (reports != nullptr) reports->push_back(report);
     before = report;
   }

@@ -397,6 +397,7 @@ ContactJudge::~ContactJudge() = default;
 
 std::string ContactJudge::WhyNot(const Scene& scene) {
   if (scene.features.contact != ContactModel::kSurface) return "contact is between leaves";
+  if (!scene.moved.empty()) return "objects move";
   if (scene.features.friction == FrictionModel::kChapter) return "friction is the chapter's";
   for (const Body& object : scene.objects) {
     if (object.grid) return "a bur can cut " + object.name;

@@ -165,9 +165,11 @@ struct MeshOracle::Mesh {
 };
 
 struct MeshOracle::Object {
-  explicit Object(const PlacedMesh& placed) : mesh(*placed.mesh), X_WB(placed.X_WB) {}
+  explicit Object(const PlacedMesh& placed)
+      : mesh(*placed.mesh), X_WB(placed.X_WB), placed(placed.X_WB), moved(placed.moved) {}
   Mesh mesh;
-  Pose X_WB;
+  Pose X_WB, placed;
+  std::uint32_t moved;
 };
 
 MeshOracle::MeshOracle(const TriangleMesh& tool, std::span<const PlacedMesh> objects)
@@ -184,7 +186,14 @@ MeshOracle::MeshOracle(const Scene& scene) {
   } else {
     tool_ = std::make_unique<const Mesh>(tool.mesh);
   }
-  for (const Body& body : scene.objects) objects_.emplace_back(PlacedMesh{&body.mesh, body.X_WB});
+  for (const Body& body : scene.objects)
+    objects_.emplace_back(PlacedMesh{&body.mesh, body.X_WB, body.moved});
+}
+
+void MeshOracle::Move(std::span<const Pose> groups) {
+  for (Object& object : objects_) {
+    if (object.moved > 0) object.X_WB = groups[object.moved - 1] * object.placed;
+  }
 }
 
 MeshOracle::~MeshOracle() = default;

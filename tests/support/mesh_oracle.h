@@ -36,6 +36,7 @@ class MeshOracle {
   struct PlacedMesh {
     const TriangleMesh* mesh;
     Pose X_WB{};
+    std::uint32_t moved = 0;  ///< as Body::moved
   };
   struct ToolBall {
     Vec3 center;  ///< in the tool's frame [m]
@@ -48,6 +49,9 @@ class MeshOracle {
   explicit MeshOracle(const Scene& scene);
   ~MeshOracle();
   MeshOracle(MeshOracle&&) noexcept;
+
+  /// Puts the objects where their groups have moved them (MovedGroup).
+  void Move(std::span<const Pose> groups);
 
   struct Overlap {
     bool meet = false;   ///< they share a point (a touch counts), or one is inside the other

@@ -282,6 +282,9 @@ class Proxy:
     @property
     def start_depth(self) -> float:
         """Distance of the tool from the hand at the start, in metres."""
+    @property
+    def moved(self) -> Dict[str, NDArray[numpy.float64]]:
+        """Where the groups of objects that move are, by name: poses relative to where the objects are placed."""
     def restart(self, pose: ArrayLike) -> None:
         """Starts again with the hand at this pose, like a new proxy."""
     def state(self) -> State:

@@ -32,6 +32,11 @@ std::string StationIn(const RecordedSample& sample) {
   return sample.To(value) ? value.station : "";
 }
 
+std::string SceneIn(const RecordedSample& sample) {
+  dds::Owned<wire::MovedState> moved;
+  return sample.To(moved.value) ? moved.value.scene : "";
+}
+
 }  // namespace
 
 bool Stays(RecordedType type) {
@@ -40,14 +45,16 @@ bool Stays(RecordedType type) {
 }
 
 bool IsForViewers(RecordedType type) {
-  return Stays(type) || type == RecordedType::kToolState || type == RecordedType::kLoopStatistics ||
-         type == RecordedType::kStationStatistics;
+  return Stays(type) || type == RecordedType::kToolState || type == RecordedType::kMovedState ||
+         type == RecordedType::kLoopStatistics || type == RecordedType::kStationStatistics;
 }
 
 Timeline::Source Timeline::SourceOf(const RecordedSample& sample) {
   switch (sample.type) {
     case RecordedType::kToolState:
       return {sample.type, StationIn<wire::ToolState>(sample)};
+    case RecordedType::kMovedState:
+      return {sample.type, SceneIn(sample)};
     case RecordedType::kLoopStatistics:
       return {sample.type, StationIn<wire::LoopStatistics>(sample)};
     default:

@@ -32,6 +32,7 @@ Voice::Voice(const dds::Participant& service, StopSignal& stop)
     : service_(service),
       stop_(stop),
       tools_(service, dds::kToolStateTopic, dds::Qos::kStream),
+      moved_(service, dds::kMovedStateTopic, dds::Qos::kStream),
       statistics_(service, dds::kLoopStatisticsTopic, dds::Qos::kStream),
       stations_(service, dds::kStationStatisticsTopic, dds::Qos::kStream) {}
 
@@ -54,6 +55,8 @@ bool Voice::Say(RecordedType type, std::span<const std::uint8_t> cdr) {
       return Say(cdr, round_->bundles, true);
     case RecordedType::kToolState:
       return Say(cdr, tools_, false);
+    case RecordedType::kMovedState:
+      return Say(cdr, moved_, false);
     case RecordedType::kLoopStatistics:
       return Say(cdr, statistics_, false);
     case RecordedType::kStationStatistics:

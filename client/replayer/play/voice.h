@@ -55,6 +55,7 @@ class Voice {
   std::map<std::string, wire::SessionState> standing_;
   std::optional<Round> round_;
   dds::Writer<wire::ToolState> tools_;
+  dds::Writer<wire::MovedState> moved_;
   dds::Writer<wire::LoopStatistics> statistics_;
   dds::Writer<wire::StationStatistics> stations_;
 };

@@ -30,6 +30,15 @@ FrameMotion MotionTo(const StepContext& context, const BodyFrame& frame, const P
 
 }  // namespace
 
+void AimFrames(const HapticModel& model, StepState& state) noexcept {
+  const std::span groups = model.moved();
+  if (groups.empty() || state.moved < 0) return;
+  ++state.moved;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    state.frames[i + 1].X_WB_next = groups[i].At(state.moved);
+  }
+}
+
 StepBounds MotionOfFrames(StepContext& context) noexcept {
   StepBounds most{0.0, 0.0};
   ForEachMoving(context, [&](const MeshContact&, BodyFrame& frame) {

@@ -94,6 +94,8 @@ void Remember(StepContext& context, const Optimum& optimum) noexcept;
 /// freer.
 bool MakeAdvance(Party tools) noexcept;
 
+/// Says where the frames of the model's groups are to be at the end of this step.
+void AimFrames(const HapticModel& model, StepState& state) noexcept;
 /// Returns by how much the frames are to move and turn in this step, at most, where the tool is
 /// [m], [rad].
 /// A frame whose next pose is not usable stays, with kFaultBadPose.

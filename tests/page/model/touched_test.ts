@@ -1,7 +1,8 @@
 import {expect, test} from "vitest";
 
 import type {Body, SceneModel} from "@page/model/bundle";
-import type {Vec3} from "@page/base/pose";
+import type {Pose, Vec3} from "@page/base/pose";
+import type {ContactPoint} from "@page/protocol/messages";
 import {middleOfPush, touchedObjects} from "@page/model/touched";
 import {touchedWords} from "@page/model/words";
 
@@ -9,6 +10,7 @@ import {touchedWords} from "@page/model/words";
 const plate = (name: string, y: number, q: Body["pose"]["q"] = [1, 0, 0, 0]): Body =>
   ({
     name,
+    moved: 0,
     pose: {p: [0, y, 0], q},
     geometry: {
       vertices: new Float32Array([-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1].map((x) => 1e-3 * x)),
@@ -18,20 +20,30 @@ const plate = (name: string, y: number, q: Body["pose"]["q"] = [1, 0, 0, 0]): Bo
   }) as unknown as Body;
 
 const model = (...objects: Body[]): SceneModel => ({objects}) as unknown as SceneModel;
+const touched = (scene: SceneModel, points: readonly ContactPoint[], moved: readonly Pose[] = []) =>
+  touchedObjects(scene, {points, moved});
 const at = (positionM: Vec3, newtons: number) => ({positionM, forceN: [0, newtons, 0] as Vec3});
 
 test("what pushes hardest comes first, and what only lies near does not come", () => {
   const scene = model(plate("tooth-36", 0), plate("gingiva", 5e-3), plate("far", 1));
   const points = [at([0, 5e-3, 0], 1), at([0, 1e-4, 0], 0.6), at([0, 0, 1e-3], 0.7)];
-  expect(touchedObjects(scene, points)).toEqual(["tooth-36", "gingiva"]);
-  expect(touchedObjects(scene, [at([0, 0, 0], 0)])).toEqual([]);
-  expect(touchedObjects(scene, [at([0, 0.5, 0], 1)])).toEqual([]);
+  expect(touched(scene, points)).toEqual(["tooth-36", "gingiva"]);
+  expect(touched(scene, [at([0, 0, 0], 0)])).toEqual([]);
+  expect(touched(scene, [at([0, 0.5, 0], 1)])).toEqual([]);
 });
 
 test("an object is found where its pose has it", () => {
   const turned = plate("turned", 0, [Math.SQRT1_2, Math.SQRT1_2, 0, 0]); // y to z
   const points = [at([0, -1e-3, 1e-4], 1)];
-  expect(touchedObjects(model(turned, plate("above", 1.6e-3)), points)).toEqual(["turned"]);
+  expect(touched(model(turned, plate("above", 1.6e-3)), points)).toEqual(["turned"]);
+});
+
+test("an object is found where its group has moved it", () => {
+  const jaw = {...plate("jaw", 0), moved: 1};
+  const scene = model(jaw, plate("still", 4e-3));
+  const points = [at([0, 3e-3, 0], 1)];
+  expect(touched(scene, points)).toEqual(["still"]);
+  expect(touched(scene, points, [{p: [0, 3e-3, 0], q: [1, 0, 0, 0]}])).toEqual(["jaw"]);
 });
 
 test("the force stands where the contacts push, each by its share", () => {

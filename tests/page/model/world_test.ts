@@ -52,6 +52,25 @@ test("scenes are what the gateway has, and no others", () => {
   expect(told).toBe(2);
 });
 
+test("what moves by itself is drawn with the tool at the same moments", () => {
+  const world = new World(() => {});
+  const turned = [Math.SQRT1_2, Math.SQRT1_2, 0, 0];
+  const moved = (x: number, orientation_wxyz: number[]) => ({
+    scene: "cube",
+    moved: [{position_m: [x, 0, 0], orientation_wxyz}],
+  });
+  world.receive(kTopics.movedState, moved(0, [1, 0, 0, 0]), 1, 1);
+  world.receive(kTopics.toolState, state("hand", 1), 1, 1);
+  world.receive(kTopics.movedState, moved(0.002, turned), 1.02, 1.02);
+  world.receive(kTopics.toolState, state("hand", 2), 1.02, 1.02);
+  world.receive(kTopics.toolState, state("other", 1, {scene: "pipes"}), 1.02, 1.02);
+  const {track} = world.stations.get("hand")!;
+  expect(track.at(1.01)!.moved[0]!.p[0]).toBeCloseTo(0.001, 9);
+  expect(track.at(1.01)!.moved[0]!.q[1]).toBeCloseTo(Math.sin(Math.PI / 8), 9);
+  expect(track.latest!.moved[0]!.q).toEqual(turned);
+  expect(world.stations.get("other")!.track.latest!.moved).toEqual([]);
+});
+
 test("the station with the tool comes before one that has left", () => {
   const world = new World(() => {});
   world.receive(kTopics.sessionState, session("aaa", 4), 0, 0);

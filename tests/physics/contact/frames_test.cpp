@@ -11,6 +11,8 @@
 #include "scenes/shapes/shapes.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/haptic_step.h"
+#include "server/physics/scene_model.h"
+#include "server/physics/start_pose.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/mesh_oracle.h"
 #include "tests/support/optimised.h"
@@ -251,6 +253,35 @@ TEST(Frames, StopWhereAToolCannotGiveWay) {
   for (int i = 0; i < 50; ++i) report = HapticStep(model, Pose{}, state, workspace);
   EXPECT_EQ(state.frames[1].X_WB.p.z(), 0.0);
   EXPECT_EQ(report.wrench.force.norm(), 0.0);
+}
+
+// A scene's own groups move by the number of steps, from where they are placed when the tool
+// starts.
+TEST(Frames, OfASceneMoveStepByStep) {
+  Scene scene = BoxInAGroove();
+  MovedGroup& lift = scene.moved.emplace_back();
+  lift.name = "lift";
+  lift.keys = {{}, {300, 0.0, {0.0, 0.0, 0.009}}, {600, 0.0, {}}};
+  lift.repeats = true;
+  scene.objects[0].moved = 1;
+  const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
+  StepWorkspace workspace(model);
+  const StartPose start = ResolveStart(model, Pose{}, workspace);
+  EXPECT_EQ(start.depth, 0.0);
+  // In the floor where it begins: the way out does not wait for it to sink.
+  const StartPose out = ResolveStart(model, {Vec3(0.0, 0.0, -0.012), Quat::Identity()}, workspace);
+  EXPECT_NEAR(out.X_WG.p.z(), -0.0045, 2e-5);
+  StepState state(model);
+  const double floor = -0.010, half = 0.0055;
+  for (int i = 1; i <= 1500; ++i) {
+    const StepReport report = HapticStep(model, Pose{}, state, workspace);
+    const double up = lift.At(i).p.z();
+    EXPECT_EQ(state.frames[1].X_WB.p.z(), up) << i;
+    EXPECT_NEAR(report.wrench.force.z(), 1000.0 * std::max(0.0, floor + up + half), 2e-3) << i;
+  }
+  state.RestMoved();
+  EXPECT_EQ(state.frames[1].X_WB.p.z(), 0.0);
+  EXPECT_EQ(HapticStep(model, Pose{}, state, workspace).wrench.force.norm(), 0.0);
 }
 
 TEST(Frames, StayWhereTheyAreIfTheirNextPoseIsNotUsable) {

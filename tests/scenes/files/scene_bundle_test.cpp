@@ -38,6 +38,13 @@ Scene BuiltSmallScene() {
   scene.objects[1].materials = {{}, {2000, 0.8, 0.3}};
   scene.objects[1].leaf_material.assign(20, 0);
   scene.objects[1].leaf_material[7] = 1;
+  scene.objects[1].moved = 1;
+  MovedGroup& jaw = scene.moved.emplace_back();
+  jaw.name = "jaw";
+  jaw.point = {0.1, 0.2, 0.3};
+  jaw.axis = Vec3::UnitY();
+  jaw.keys = {{}, {500, 0.25, {0.01, 0.02, 0.03}}};
+  jaw.repeats = false;
   return scene;
 }
 

@@ -308,6 +308,56 @@ TEST(SceneFile, ReadsContactAndFriction) {
   EXPECT_EQ(features("\"friction\": \"coulomb\",").friction, FrictionModel::kCoulomb);
 }
 
+TEST(SceneFile, ReadsWhatMoves) {
+  std::string text = WithObject("\"moved\": \"jaw\"");
+  const std::string moved =
+      "\"moved\": [{\"name\": \"jaw\", \"point_mm\": [1, 2, 3], \"axis\": [0, 2, 0], \"motion\": "
+      "\"steady\", \"repeats\": true, \"keys\": [{\"t\": 0}, {\"t\": 1.5, \"turn_deg\": 90, "
+      "\"shift_mm\": [0, 0, 4]}, {\"t\": 3}]}],";
+  const SceneDescription scene = ParseScene(text.insert(1, moved), "f.json");
+  ASSERT_EQ(scene.moved.size(), 1u);
+  EXPECT_EQ(scene.objects[0].moved, 1u);
+  const MovedGroup& jaw = scene.moved[0];
+  EXPECT_EQ(jaw.name, "jaw");
+  EXPECT_TRUE(jaw.point.isApprox(Vec3(1e-3, 2e-3, 3e-3)));
+  EXPECT_TRUE(jaw.axis.isApprox(Vec3::UnitY()));
+  EXPECT_FALSE(jaw.smooth);
+  EXPECT_TRUE(jaw.repeats);
+  ASSERT_EQ(jaw.keys.size(), 3u);
+  EXPECT_EQ(jaw.keys[1].at, 1500);
+  EXPECT_NEAR(jaw.keys[1].turn, 0.5 * M_PI, 1e-15);
+  EXPECT_TRUE(jaw.keys[1].shift.isApprox(Vec3(0.0, 0.0, 4e-3)));
+}
+
+TEST(SceneFile, RefusesWhatCannotMove) {
+  const std::string keys = "\"keys\": [{\"t\": 0}, {\"t\": 1, \"shift_mm\": [0, 0, 4]}]";
+  const std::string lift = "{\"name\": \"lift\", " + keys + "}";
+  const auto complaint = [](const std::string& root, const std::string& object) {
+    std::string text = WithObject(object);
+    return ComplaintOf([&] { ParseScene(text.insert(1, root), "f.json"); });
+  };
+  const std::string it = "\"moved\": \"lift\"", all = "\"moved\": [" + lift + "],";
+  EXPECT_EQ(complaint(all, it), "");
+  EXPECT_THAT(complaint("", it), HasSubstr("objects[0].moved: names no group"));
+  EXPECT_THAT(complaint(all, "\"look\": \"tooth\""), HasSubstr("moved[0]: moves nothing; give an"));
+  EXPECT_THAT(complaint(all, "\"moved\": \"lid\""), HasSubstr("objects[0].moved"));
+  EXPECT_THAT(complaint("\"contact\": \"spheres\", " + all, it),
+              HasSubstr("can move; drop it, or use"));
+  EXPECT_THAT(complaint(all, it + ", \"material\": {\"stiffness_N_per_m\": 500}"),
+              HasSubstr("or the stiffness"));
+  EXPECT_THAT(complaint(all, it + ", \"grid_um\": 50, \"material\": {\"cutting_pressure_MPa\": 5}"),
+              HasSubstr("or grid_um"));
+  EXPECT_THAT(complaint("\"moved\": [" + lift + ", " + lift + "],", it),
+              HasSubstr("moved[1].name: \"lift\" is taken"));
+  EXPECT_THAT(complaint("\"moved\": [{\"name\": \"lift\", \"keys\": [{\"t\": 0}, {\"t\": 1, "
+                        "\"turn_deg\": 9}]}],",
+                        it),
+              HasSubstr("turn_deg: is about no axis"));
+  EXPECT_THAT(
+      complaint("\"moved\": [{\"name\": \"lift\", \"keys\": [{\"t\": 1}, {\"t\": 2}]}],", it),
+      HasSubstr("moved[0].keys: does not begin where"));
+}
+
 TEST(SceneFile, RefusesWithLineFieldAndRemedy) {
   test::ExpectRefusals("tests/scenes/files/scene_file.refusals", [](const auto& inputs) {
     return ComplaintOf([&] { ParseScene(With(inputs.at(0), inputs.at(1)), "f.json"); });

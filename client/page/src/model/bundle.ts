@@ -48,6 +48,7 @@ export interface Body {
   readonly tissues: readonly string[]; // name of each, as written in the scene; empty: unnamed
   readonly regions: readonly Region[]; // later ones take precedence
   readonly bur: Bur | undefined; // of a tool that cuts by turning
+  readonly moved: number; // of an object: its group of ToolState.moved, from 1; 0: it stands still
 }
 
 /// The cutting part of a tool: a curve turned about the tool's y axis, and all within a distance of
@@ -151,6 +152,7 @@ function readBody(body: WireBody, geometries: readonly Geometry[]): Body {
     tissues: Array.from({length: body.grid()?.namesLength() ?? 0}, (_, i) => body.grid()!.names(i)),
     regions: Array.from({length: body.grid()?.regionsLength() ?? 0}, (_, i) => regionOf(body, i)),
     bur: burOf(body),
+    moved: body.moved(),
     margin: Array.from({length: body.marginLength()}, (_, i) => vec3(body.margin(i)!)),
   };
 }

@@ -96,6 +96,7 @@ function between(a: ToolState, b: ToolState, t: number): ToolState {
     graphic: mixPose(a.graphic, b.graphic, t),
     forceN: mixVec3(a.forceN, b.forceN, t),
     torqueNm: mixVec3(a.torqueNm, b.torqueNm, t),
+    moved: b.moved.map((pose, i) => mixPose(a.moved[i] ?? pose, pose, t)),
   };
 }
 
@@ -103,9 +104,11 @@ function between(a: ToolState, b: ToolState, t: number): ToolState {
 const kVisible = 1e-7;
 
 /// All values of a state that a picture shows.
-function numbersOf({haptic, graphic, forceN, torqueNm, points, buttons}: ToolState): number[] {
+function numbersOf(state: ToolState): number[] {
+  const {haptic, graphic, forceN, torqueNm, points, buttons} = state;
   const contacts = points.flatMap((point) => [point.positionM, point.forceN]);
-  return [haptic.p, haptic.q, graphic.p, graphic.q, forceN, torqueNm, ...contacts, buttons].flat();
+  const poses = [haptic, graphic, ...state.moved].flatMap(({p, q}) => [p, q]);
+  return [...poses, forceN, torqueNm, ...contacts, buttons].flat();
 }
 
 /// Returns whether both states give the same picture.

@@ -1,29 +1,33 @@
-import type {ContactPoint} from "../protocol/messages";
+import type {ContactPoint, ToolState} from "../protocol/messages";
 import type {Body, SceneModel} from "./bundle";
-import {add, norm, pointIn, scale, subtract, type Vec3} from "../base/pose";
+import {add, norm, pointIn, type Pose, scale, subtract, type Vec3} from "../base/pose";
 
 /// Largest distance of a contact from the object touched: soft surfaces give way [m].
 const kReachM = 3e-3;
 const kLeastN = 0.01;
 
 /// Returns the names of the objects that push the tool, the strongest first.
-export function touchedObjects(model: SceneModel, points: readonly ContactPoint[]): string[] {
+export function touchedObjects(
+  model: SceneModel,
+  {points, moved}: Pick<ToolState, "points" | "moved">,
+): string[] {
   const newtons = new Map<string, number>();
   for (const {positionM, forceN} of points) {
     const force = norm(forceN);
     if (force < kLeastN) continue;
-    const body = nearest(model.objects, positionM);
+    const body = nearest(model.objects, moved, positionM);
     if (body) newtons.set(body.name, (newtons.get(body.name) ?? 0) + force);
   }
   return [...newtons].sort(([, a], [, b]) => b - a).map(([name]) => name);
 }
 
-function nearest(objects: readonly Body[], at: Vec3): Body | undefined {
+function nearest(objects: readonly Body[], moved: readonly Pose[], at: Vec3): Body | undefined {
   // Measured to vertices, which is quick; where objects meet, their meshes are fine.
   let found: Body | undefined;
   let least = Infinity;
   for (const body of objects) {
-    const local = pointIn(body.pose, at);
+    const group = moved[body.moved - 1];
+    const local = pointIn(body.pose, group ? pointIn(group, at) : at);
     const {centre, radiusM, vertices} = body.geometry;
     if (norm(subtract(local, centre)) > radiusM + kReachM) continue;
     for (let i = 0; i < vertices.length; i += 3) {

@@ -5,6 +5,7 @@ import {
   type SessionState,
   type SolidBlock,
   toLoopStatistics,
+  toMovedState,
   toReplayContents,
   toReplayState,
   toSceneGoal,
@@ -15,6 +16,7 @@ import {
   type ToolState,
   toToolState,
 } from "../protocol/messages";
+import type {Pose} from "../base/pose";
 import type {Compiling, Health} from "../protocol/health";
 import {Remains} from "./remains";
 import {Replay} from "./replay";
@@ -22,6 +24,7 @@ import {Station} from "./station";
 
 export const kTopics = {
   toolState: "/palpate/tool_state",
+  movedState: "/palpate/moved_state",
   loopStatistics: "/palpate/loop_statistics",
   stationStatistics: "/palpate/station_statistics",
   sessionState: "/palpate/session_state",
@@ -81,6 +84,7 @@ export class World {
   compiling: Compiling | undefined; // by a server that does not serve yet
   readonly replay = new Replay();
   private readonly remains = new Map<string, Remains>(); // by scene
+  private readonly moved = new Map<string, readonly Pose[]>(); // by scene
   /// By scene: the teacher's goal, and the last message about restoring it.
   readonly goals = new Map<string, SceneGoal>();
   readonly wholes = new Map<string, SceneWhole>();
@@ -95,8 +99,13 @@ export class World {
     this.nowS = nowS;
     switch (topic) {
       case kTopics.toolState:
-        this.receiveToolState(toToolState(value), stampS, nowS);
+        this.receiveToolState(this.withMoved(toToolState(value)), stampS, nowS);
         break;
+      case kTopics.movedState: {
+        const {scene, moved} = toMovedState(value);
+        this.moved.set(scene, moved);
+        break;
+      }
       case kTopics.loopStatistics: {
         const statistics = toLoopStatistics(value);
         this.station(statistics.station).statistics = statistics;
@@ -202,6 +211,12 @@ export class World {
     this.damaged = true;
     const where = `block ${block} of object ${objectIndex} of the scene ${scene}`;
     console.warn(`The surface of ${where} is damaged and not shown, nor are others that are.`);
+  }
+
+  /// What moves is told just before the tool.
+  private withMoved(state: ToolState): ToolState {
+    const moved = this.moved.get(state.scene);
+    return moved ? {...state, moved} : state;
   }
 
   private receiveToolState(state: ToolState, stampS: number, nowS: number): void {

@@ -148,7 +148,7 @@ export class Figures {
     setTextOf("torque", state ? figure(1000 * norm(state.torqueNm), 1) : "–");
     setTextOf("past", state ? figure(1000 * handPastM(state)) : "–");
     setTextOf("contacts", state ? String(state.contacts) : "–");
-    const touches = state && model ? touchedObjects(model, state.points) : [];
+    const touches = state && model ? touchedObjects(model, state) : [];
     setTextOf("touched", state ? touchedWords(touches) : "–");
     const name = state?.tool ?? model?.tools[0]?.name ?? "";
     const tells = model !== undefined && tellsProbingDepth(model, name);

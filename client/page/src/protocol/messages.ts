@@ -65,6 +65,8 @@ const toContactPoint = message({
 });
 export type ContactPoint = ReturnType<typeof toContactPoint>;
 
+const kNowhere: readonly Pose[] = [];
+
 export const toToolState = message({
   station: text("station"),
   scene: text("scene"),
@@ -79,11 +81,22 @@ export const toToolState = message({
   buttons: number("buttons"),
   points: (fields): readonly ContactPoint[] =>
     list("point", toContactPoint)(fields).slice(0, number("points")(fields)),
+  /// Of the scene's groups that move, from MovedState: relative to where their objects are placed.
+  moved: () => kNowhere,
 });
 export type ToolState = ReturnType<typeof toToolState>;
 /// Bit of its buttons while which a bur stands still.
 export const kStillBur = 2;
 export const burTurns = ({buttons}: ToolState): boolean => (buttons & kStillBur) === 0;
+
+export const toMovedState = message({
+  scene: text("scene"),
+  moved: list("moved", (value): Pose => {
+    const fields = typeof value === "object" && value !== null ? (value as Fields) : {};
+    const [w = 1, x = 0, y = 0, z = 0] = numbers("orientation_wxyz")(fields);
+    return {p: vec3("position_m")(fields), q: [w, x, y, z]};
+  }),
+});
 
 export const toLoopStatistics = message({
   station: text("station"),

@@ -1,4 +1,4 @@
-import {type PerspectiveCamera, Vector3} from "three";
+import {type Object3D, type PerspectiveCamera, Vector3} from "three";
 
 import {fdiOf} from "../model/fdi";
 import {type Circle, layOut, type Point} from "../model/label_layout";
@@ -11,8 +11,9 @@ const kAir = 2; // between labels
 interface Label {
   readonly text: HTMLSpanElement;
   readonly line: SVGLineElement;
-  readonly tooth: Vector3; // W
-  readonly wanted: Vector3; // W
+  readonly within: Object3D; // which moves, where the tooth does
+  readonly tooth: Vector3; // in it
+  readonly wanted: Vector3;
 }
 
 /// The teeth's numbers over the picture, clear of the tools, each with a line to its tooth.
@@ -57,14 +58,17 @@ export class ToothLabels {
       const p = at.clone().project(eye);
       return {x: 0.5 * (p.x + 1) * room.width, y: 0.5 * (1 - p.y) * room.height};
     };
-    const label = {width: kLabel.width + kAir, height: kLabel.height + kAir};
+    const size = {width: kLabel.width + kAir, height: kLabel.height + kAir};
     const clear = tools.flatMap((tool) => circlesOf(tool, eye, toPixels, room.height));
-    const wanted = this.labels.map((one) => toPixels(one.wanted));
+    const placed = (at: Vector3, {within}: Label): Point =>
+      toPixels(at.clone().applyMatrix4(within.matrixWorld));
+    const wanted = this.labels.map((one) => placed(one.wanted, one));
     const free = {width: room.width, height: this.buttons.offsetTop};
-    layOut(wanted, label, clear, free).forEach(({x, y}, i) => {
-      const {text, line, tooth} = this.labels[i]!;
+    layOut(wanted, size, clear, free).forEach(({x, y}, i) => {
+      const label = this.labels[i]!;
+      const {text, line} = label;
       text.style.transform = `translate(${x - 0.5 * kLabel.width}px, ${y - 0.5 * kLabel.height}px)`;
-      const end = toPixels(tooth);
+      const end = placed(label.tooth, label);
       const ends = {x1: x, y1: y, x2: end.x, y2: end.y};
       for (const [name, value] of Object.entries(ends)) line.setAttribute(name, value.toFixed(1));
     });
@@ -81,13 +85,14 @@ export class ToothLabels {
     const {min, max} = mesh.geometry.boundingBox!;
     group.updateMatrix();
     // On the crown's outer side, then over the gum, where least is hidden.
-    const inWorld = (y: number, z: number): Vector3 =>
+    const inPlace = (y: number, z: number): Vector3 =>
       new Vector3(0, y, z).applyMatrix4(group.matrix);
     return {
       text,
       line,
-      tooth: inWorld(0.55 * max.y, 0.9 * max.z),
-      wanted: inWorld(0.45 * min.y, 1.6 * max.z),
+      within: group.parent!,
+      tooth: inPlace(0.55 * max.y, 0.9 * max.z),
+      wanted: inPlace(0.45 * min.y, 1.6 * max.z),
     };
   }
 }

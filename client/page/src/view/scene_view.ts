@@ -3,11 +3,11 @@ import {DirectionalLight, Group, HemisphereLight, Scene, type WebGLRenderer} fro
 import type {SceneModel} from "../model/bundle";
 import type {Room} from "../model/edge_place";
 import {endOf, firstSight, workOf} from "../model/first_sight";
-import type {Pose, Vec3} from "../base/pose";
+import {kIdentity, type Pose, type Vec3} from "../base/pose";
 import {type Drawn, kDetails, type PictureQuality} from "../model/quality";
 import type {Remains} from "../model/remains";
 import type {ToolState} from "../protocol/messages";
-import {BodyMesh, SurfaceCache} from "./body_mesh";
+import {BodyMesh, place, SurfaceCache} from "./body_mesh";
 import {Camera} from "./camera";
 import {CanvasSize} from "./canvas_size";
 import {kToLamp} from "./depth_cues";
@@ -37,6 +37,7 @@ export class SceneView {
   private model: SceneModel | undefined;
   private objects: BodyMesh[] = [];
   private tools: ToolView[] = [];
+  private moved: Group[] = []; // of objects that move together
   private readonly clouds = new SphereClouds();
   private sphereLevel: number | undefined;
   private radiusM = 0.1; // of the initial view
@@ -105,8 +106,9 @@ export class SceneView {
         new ToolView(tool, model, i, cache, endOf(tool, work), work.radiusM, toolNow(tool.name)),
     );
     for (const object of this.objects) {
-      this.still.add(object.group);
-      this.moving.add(object.over);
+      const moved = object.body.moved > 0 ? this.movedGroup(object.body.moved - 1) : undefined;
+      (moved ?? this.still).add(object.group);
+      (moved ?? this.moving).add(object.over);
     }
     for (const {groups} of this.tools) this.moving.add(...groups);
     this.labels.setObjects(this.objects);
@@ -164,6 +166,7 @@ export class SceneView {
     if (!tool) return;
     const isFirst = !tool.isMet && this.camera.untouched;
     tool.set(state, this.radiusM);
+    this.moved.forEach((group, i) => place(group, state.moved[i] ?? kIdentity));
     if (!isFirst) return;
     tool.isMet = true; // until now only its start pose was known
     this.lookAtAll();
@@ -267,6 +270,16 @@ export class SceneView {
     }
   }
 
+  /// Like tools, they are drawn in each picture.
+  private movedGroup(number: number): Group {
+    while (this.moved.length <= number) {
+      const group = new Group();
+      this.moved.push(group);
+      this.moving.add(group);
+    }
+    return this.moved[number]!;
+  }
+
   private makeClouds(): void {
     const tools = this.tools.map(({body}) => body);
     this.clouds.show(this.objects, tools, this.sphereLevel, this.palette);
@@ -275,10 +288,12 @@ export class SceneView {
   private clear(): void {
     this.clouds.clear();
     for (const object of this.objects) {
-      this.still.remove(object.group);
-      this.moving.remove(object.over);
+      object.group.removeFromParent();
+      object.over.removeFromParent();
       object.dispose();
     }
+    this.moving.remove(...this.moved);
+    this.moved = [];
     for (const tool of this.tools) {
       this.moving.remove(...tool.groups);
       tool.dispose();
