@@ -88,6 +88,7 @@ class Golden {
 
   /// The time in the script [ms] from which a golden recording has the most poses in contact.
   std::size_t BusiestMoment() {
+    if (!scene_.moved.empty()) return BusiestStart();
     ServoLoop loop(model_);
     std::vector<int> touches;
     const auto poses = static_cast<std::size_t>(1e3 * script_.duration());
@@ -105,6 +106,27 @@ class Golden {
         most = sum;
         best = i + 1 - kPoses;
       }
+    }
+    return best;
+  }
+
+  /// Likewise where objects move, which they do from the recording's beginning.
+  std::size_t BusiestStart() {
+    std::size_t best = 0;
+    int most = -1;
+    StepWorkspace workspace(model_);
+    for (std::size_t begin = 0; 1e-3 * static_cast<double>(begin + kPoses) < script_.duration();
+         begin += kPoses / 4) {
+      ServoLoop loop(model_);
+      loop.Start(ResolveStart(model_, wire::ToPose(At(begin, 0)), workspace).X_WG);
+      int touches = 0;
+      for (std::size_t i = 0; i < kPoses; ++i) {
+        wire::Wrench wrench{};
+        loop.OnPose(At(begin, i), wrench);
+        touches += wrench.contacts > 0 ? 1 : 0;
+      }
+      if (touches > most) best = begin;
+      most = std::max(most, touches);
     }
     return best;
   }

@@ -372,8 +372,14 @@ TEST(SceneScript, JawPushesTheProbeAndIsNeverEntered) {
   });
   EXPECT_EQ(meet, 0);
   EXPECT_NEAR(closed, M_PI * 12.0 / 180.0, 1e-3);
+  EXPECT_GT(run.Count([](const Moment& m) { return m.report.contacts > 0; }), 4000u);
   const std::set<std::string> touched = run.Touched();
-  EXPECT_TRUE(touched.contains("lower-right-first-molar"));
+  const auto on = [&](const char* side) {
+    return std::ranges::count_if(touched,
+                                 [&](const std::string& name) { return name.starts_with(side); });
+  };
+  EXPECT_GT(on("lower-right"), 0);
+  EXPECT_GT(on("lower-left"), 0);
 }
 
 TEST(SceneScript, PipesLetTheBunnyThroughAll17) {
