@@ -41,6 +41,7 @@ test("what servers and stations say comes out as it went in", () => {
   expect(toToolState(through("/palpate/tool_state", toolState(state)))).toEqual({
     ...state,
     contacts: 1,
+    moved: [],
     stepUs: 9.5,
   });
   const refused = sessionState("hand", "refused", "cube", "ball", {reason: "taken"});

@@ -29,7 +29,13 @@ export const visiblePixels = (page: Page, pose: Pose): Promise<number> =>
     };
     const [tool] = own.tools;
     if (!tool) throw new Error("no tool");
-    const still = {forceN: [0, 0, 0], torqueNm: [0, 0, 0], points: [], contacts: 0} as const;
+    const still = {
+      forceN: [0, 0, 0],
+      torqueNm: [0, 0, 0],
+      points: [],
+      moved: [],
+      contacts: 0,
+    } as const;
     view.setTool(tool.name, {...still, haptic: at, graphic: at} as never);
     const gl = own.renderer.getContext();
     const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
@@ -98,7 +104,13 @@ export const shadedPixels = (page: Page, pose: Pose): Promise<number> =>
     };
     const {name, groups} = own.tools[0]!;
     const gl = own.renderer.getContext();
-    const still = {forceN: [0, 0, 0], torqueNm: [0, 0, 0], points: [], contacts: 0} as const;
+    const still = {
+      forceN: [0, 0, 0],
+      torqueNm: [0, 0, 0],
+      points: [],
+      moved: [],
+      contacts: 0,
+    } as const;
     const put = (graphic: Pose): void =>
       view.setTool(name, {...still, haptic: graphic, graphic} as never);
     put(at); // a view that is new looks at it
