@@ -29,9 +29,9 @@ struct MovedGroup {
   Pose At(std::int64_t steps) const noexcept;
 };
 
-inline constexpr std::size_t kMostMoved = 8;   ///< groups of a scene
-inline constexpr double kFastestShift = 1.0;   ///< [m/s]
-inline constexpr double kFastestTurn = 10.0;   ///< [rad/s]
+inline constexpr std::size_t kMostMoved = 8;  ///< groups of a scene
+inline constexpr double kFastestShift = 1.0;  ///< [m/s]
+inline constexpr double kFastestTurn = 10.0;  ///< [rad/s]
 
 /// Returns what is wrong with a group's motion, with a remedy; empty: nothing.
 std::string MotionFault(const MovedGroup& group);

@@ -94,7 +94,7 @@ struct Body {
   /// Material of each leaf, as an index into `materials`; empty: all have materials[0].
   std::vector<std::uint8_t> leaf_material;
   std::vector<Material> materials{Material{}};
-  Pose X_WB{};         ///< objects: the pose.  Tools: the start pose.
+  Pose X_WB{};  ///< objects: the pose.  Tools: the start pose.
   /// Objects: number of the group of Scene::moved that it belongs to, from 1; 0: it stands still.
   std::uint32_t moved = 0;
   std::string look{};  ///< what viewers draw it as; empty: what its material is

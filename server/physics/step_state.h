@@ -105,7 +105,7 @@ struct StepState {
   std::vector<BodyFrame> frames;  ///< by their number
   /// Steps that the groups of the model have made; negative: they rest (start_pose.h).
   std::int64_t moved = 0;
-  SolidBodies solids;             ///< the solids that burs cut, as contact feels them
+  SolidBodies solids;  ///< the solids that burs cut, as contact feels them
   FrictionState friction;
   CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state

@@ -151,7 +151,8 @@ TEST_F(OwnScene, MovesByItselfAndIsRecordedWhereItIs) {
              "start": {"position_mm": [0, 20, 0]}}],
   "objects": [{"name": "box", "mesh": {"shape": "box", "size_m": [0.04, 0.02, 0.03]}, "moved": "lift"}],
   "moved": [{"name": "lift", "keys": [{"t": 0}, {"t": 1, "shift_mm": [0, 10, 0]}]}]})");
-  Write("lift.path.json", R"({"keys": [{"t": 0, "position_mm": [0, 20, 0]}, {"t": 3, "position_mm": [0, 20, 0]}]})");
+  Write("lift.path.json",
+        R"({"keys": [{"t": 0, "position_mm": [0, 20, 0]}, {"t": 3, "position_mm": [0, 20, 0]}]})");
   Serve({"--scene", (folder / "lift.json").string()});
   const fs::path file = fs::path(json).replace_extension(".mcap");
   Program recorder(PALPATE_BIN_DIR "/palpate-record", {"-o", file.string(), "--transport", "udp",
