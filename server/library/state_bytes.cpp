@@ -171,6 +171,9 @@ void ForEachMember(State& all, Visit& visit) {
   visit(state.effects.V_WH.w);
 }
 
+/// Steps of nine million years: more would overflow one day.
+constexpr double kMostSteps = 0x1p58;
+
 bool IsWithin(double value, double most) {
   return value >= 0.0 && value <= most;  // false for NaN
 }
@@ -205,6 +208,7 @@ bool IsSound(const HapticModel& model, const ProxyState& all) {
          std::ranges::all_of(used, is_known) && IsWithin(state.behind.translation, 1.0) &&
          IsWithin(state.behind.rotation, 10.0) && state.rotation_G.allFinite() &&
          is_small(friction.still) && is_small(friction.resets) &&
+         IsWithin(static_cast<double>(state.moved), kMostSteps) &&
          std::ranges::all_of(state.frames, [&](const BodyFrame& frame) {
            return IsPose(frame.X_WB) && IsPose(frame.X_WB_next) &&
                   frame.front.IsSound(*model.tool_body(), model.bodies());

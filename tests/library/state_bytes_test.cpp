@@ -28,6 +28,13 @@ HapticModel RoughBlock(ContactModel contact, double width = 0.04, double stiffne
   scene.objects.push_back(MakeBody("block", MakeBox({width, 0.04, 0.04}), rough));
   scene.objects.push_back(MakeBody("ball", MakeEllipsoid({0.01, 0.01, 0.01}, 200), rough));
   scene.objects.back().X_WB.p = {0.0, 0.022, 0.022};
+  if (contact == ContactModel::kSurface && !scene.features.compliance) {
+    scene.objects.back().moved = 1;
+    MovedGroup& shakes = scene.moved.emplace_back();
+    shakes.name = "shakes";
+    shakes.keys = {{}, {50, 0.0, {0.0, 0.001, 0.0}}, {100, 0.0, {}}};
+    shakes.repeats = true;
+  }
   scene.tools.push_back(
       MakeBody("probe", MakeBox({0.01, 0.01, 0.01}), {.leaves = 32, .contact = contact}));
   return MakeModel(scene, scene.tools[0], MakeObjects(scene));
