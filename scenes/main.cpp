@@ -1,6 +1,5 @@
 // palpate-scene: compiles meshes to sphere trees and scene bundles, and reports on them.
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -93,13 +92,7 @@ void Build(const Arguments& arguments) {
   std::printf("%s: ready in %.2f s\n", scene.name.c_str(), seconds);
   for (const Body& body : scene.tools) std::fputs(BodyLine("tool", body).c_str(), stdout);
   for (const Body& body : scene.objects) std::fputs(BodyLine("object", body).c_str(), stdout);
-  for (std::size_t i = 0; i < scene.moved.size(); ++i) {
-    const MovedGroup& group = scene.moved[i];
-    std::printf("  moves %s: %td objects, in %g s%s\n", group.name.c_str(),
-                std::ranges::count(scene.objects, i + 1, &Body::moved),
-                1e-3 * static_cast<double>(group.keys.back().at),
-                group.repeats ? ", again and again" : "");
-  }
+  std::fputs(MovedLines(scene).c_str(), stdout);
   Conclude(arguments.scene, JudgeScene(scene));
   if (arguments.output.empty()) return;
   const std::vector<std::uint8_t> bytes = PackScene(scene, 0, Remarks::kKeep);

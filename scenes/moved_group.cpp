@@ -44,8 +44,10 @@ std::string MotionFault(const MovedGroup& group) {
            "or a shift";
   }
   for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].at <= keys[i - 1].at) {
+      return "has keys that are not in the order of their times; sort them";
+    }
     const auto steps = static_cast<double>(keys[i].at - keys[i - 1].at);
-    if (!(steps > 0.0)) return "has keys that are not in the order of their times; sort them";
     const double per_s = (group.smooth ? kSteepest : 1.0) * 1e3 / steps;
     const double turn = std::abs(keys[i].turn - keys[i - 1].turn);
     const double shift = (keys[i].shift - keys[i - 1].shift).norm();

@@ -1,5 +1,6 @@
 #include "scenes/compiler/body_lines.h"
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,18 @@ std::string BodyLine(const char* kind, const Body& body) {
       "  {} {}: {} leaves in {} levels, {}, {} triangles, {} vertices, at ({:g}, {:g}, {:g}) mm\n",
       kind, body.name, body.tree.leaves(), body.tree.levels(), ModeOf(body.tree),
       body.mesh.triangles.size(), body.mesh.vertices.size(), 1e3 * p.x(), 1e3 * p.y(), 1e3 * p.z());
+}
+
+std::string MovedLines(const Scene& scene) {
+  std::string lines;
+  for (std::size_t i = 0; i < scene.moved.size(); ++i) {
+    const MovedGroup& group = scene.moved[i];
+    lines += fmt::format("  moves {}: {} objects, in {:g} s{}\n", group.name,
+                         std::ranges::count(scene.objects, i + 1, &Body::moved),
+                         1e-3 * static_cast<double>(group.keys.back().at),
+                         group.repeats ? ", again and again" : "");
+  }
+  return lines;
 }
 
 const Body& FindBody(const Scene& scene, const std::string& name) {

@@ -9,6 +9,8 @@ namespace palpate {
 /// Returns one line for people: name, leaves and how they represent the mesh, triangles, place.
 /// @param kind  "tool" or "object".
 std::string BodyLine(const char* kind, const Body& body);
+/// Returns a line for each group of objects that moves.
+std::string MovedLines(const Scene& scene);
 
 /// Returns the body of that name, or the first object if it is empty.  Throws UsageError with
 /// the nearest name.

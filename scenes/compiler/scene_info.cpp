@@ -119,6 +119,7 @@ std::string SceneInfo(const Scene& scene) {
     text += ErrorLines(of, unit);
     if (of.kind == std::string_view("object")) text += MaterialLines(*of.body);
   }
+  text += MovedLines(scene);
   if (std::ranges::any_of(errors, [](const BodyTreeError& e) { return !e.levels.empty(); })) {
     text += AboutLevelTable();
   }

@@ -638,16 +638,18 @@ MovedGroup ReadMoved(const JsonNode& node) {
   group.name = ReadName(node.At("name"));
   if (auto point = node.Find("point_mm")) group.point = 1e-3 * point->Vector();
   if (auto axis = node.Find("axis")) group.axis = ReadDirection(*axis);
-  if (auto motion = node.Find("motion"))
+  if (auto motion = node.Find("motion")) {
     group.smooth = motion->OneOf({"smooth", "steady"}) == "smooth";
+  }
   if (auto repeats = node.Find("repeats")) group.repeats = repeats->Boolean();
   for (const JsonNode& item : node.At("keys").Items(2, kMostKeys)) {
     item.AllowOnly({"t", "turn_deg", "shift_mm"});
     MotionKey& key = group.keys.emplace_back();
     key.at = std::llround(1e3 * item.At("t").Number(0.0, kLastKey_s));
     if (auto turn = item.Find("turn_deg")) {
-      if (!node.Has("axis"))
+      if (!node.Has("axis")) {
         turn->Fail("is about no axis; give \"" + group.name + "\" an \"axis\"");
+      }
       key.turn = M_PI / 180.0 * turn->Number(-kMostTurn_deg, kMostTurn_deg);
     }
     if (auto shift = item.Find("shift_mm")) key.shift = 1e-3 * shift->Vector();
@@ -671,8 +673,9 @@ void ReadAllMoved(const JsonNode& root, SceneDescription& scene) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const auto name = objects[i].Find("moved");
     if (!name) continue;
-    if (scene.moved.empty())
+    if (scene.moved.empty()) {
       name->Fail("names no group; list it under \"moved\", beside \"objects\"");
+    }
     std::vector<std::string_view> groups;
     for (const MovedGroup& group : scene.moved) groups.push_back(group.name);
     const std::string group = name->OneOf(groups);

@@ -35,8 +35,9 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
         "\"contact\": \"surface\", and a material without stiffness");
   }
   for (std::size_t i = 0; i < moved.size(); ++i) {
-    if (const std::string fault = MotionFault(moved[i]); !fault.empty())
+    if (const std::string fault = MotionFault(moved[i]); !fault.empty()) {
       throw Error(moved[i].name + ": " + fault);
+    }
     const auto number = static_cast<std::int32_t>(i + 1);
     if (std::ranges::count(objects, number, &PlacedTree::frame) == 0) {
       throw Error(moved[i].name + ": moves no object; name it in one as \"moved\"");

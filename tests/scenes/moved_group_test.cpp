@@ -1,6 +1,7 @@
 #include "scenes/moved_group.h"
 
 #include <cmath>
+#include <cstdint>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -65,6 +66,8 @@ TEST(MovedGroup, RefusesWhatIsNoMotion) {
   EXPECT_THAT(fault([](MovedGroup& g) { g.point.x() = NAN; }), HasSubstr("about no axis"));
   EXPECT_THAT(fault([](MovedGroup& g) { g.keys[0].turn = 0.1; }), HasSubstr("does not begin"));
   EXPECT_THAT(fault([](MovedGroup& g) { g.keys[2].at = 1000; }), HasSubstr("not in the order"));
+  EXPECT_THAT(fault([](MovedGroup& g) { g.keys[2].at = INT64_MIN; }),
+              HasSubstr("not in the order"));
   EXPECT_THAT(fault([](MovedGroup& g) { g.keys[1].turn = NAN; }), HasSubstr("goes faster"));
   EXPECT_THAT(fault([](MovedGroup& g) { g.keys[1].at = 10; }), HasSubstr("goes faster"));
   EXPECT_THAT(fault([](MovedGroup& g) { g.keys[1].shift.x() = 1.0; }), HasSubstr("goes faster"));

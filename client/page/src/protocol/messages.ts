@@ -36,13 +36,14 @@ const vec3 =
     const [x = 0, y = 0, z = 0] = numbers(name)(fields);
     return [x, y, z];
   };
-const pose =
-  (of: string): Read<Pose> =>
+const poseAt =
+  (prefix: string): Read<Pose> =>
   (fields) => {
-    const [w = 1, x = 0, y = 0, z = 0] = numbers(`${of}_orientation_wxyz`)(fields);
+    const [w = 1, x = 0, y = 0, z = 0] = numbers(`${prefix}orientation_wxyz`)(fields);
     const q: Quat = [w, x, y, z];
-    return {p: vec3(`${of}_position_m`)(fields), q};
+    return {p: vec3(`${prefix}position_m`)(fields), q};
   };
+const pose = (of: string): Read<Pose> => poseAt(`${of}_`);
 const list =
   <T>(name: string, toItem: (value: unknown) => T): Read<readonly T[]> =>
   ({[name]: value}) =>
@@ -89,13 +90,10 @@ export type ToolState = ReturnType<typeof toToolState>;
 export const kStillBur = 2;
 export const burTurns = ({buttons}: ToolState): boolean => (buttons & kStillBur) === 0;
 
+const toBodyPose = message({pose: poseAt("")});
 export const toMovedState = message({
   scene: text("scene"),
-  moved: list("moved", (value): Pose => {
-    const fields = typeof value === "object" && value !== null ? (value as Fields) : {};
-    const [w = 1, x = 0, y = 0, z = 0] = numbers("orientation_wxyz")(fields);
-    return {p: vec3("position_m")(fields), q: [w, x, y, z]};
-  }),
+  moved: list("moved", (value) => toBodyPose(value).pose),
 });
 
 export const toLoopStatistics = message({
