@@ -261,7 +261,7 @@ TEST(Frames, OfASceneMoveStepByStep) {
   Scene scene = BoxInAGroove();
   MovedGroup& lift = scene.moved.emplace_back();
   lift.name = "lift";
-  lift.keys = {{}, {300, 0.0, {0.0, 0.0, 0.009}}, {600, 0.0, {}}};
+  lift.keys = {{}, {300, 0.0, {0.0, 0.0, 0.009}}, {600, 0.0, Vec3::Zero()}};
   lift.repeats = true;
   scene.objects[0].moved = 1;
   const HapticModel model = MakeModel(scene, scene.tools[0], MakeObjects(scene));
