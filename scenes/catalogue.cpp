@@ -468,6 +468,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.features = description.features;
   scene.first_sight = description.first_sight;
   scene.moved = description.moved;
+  scene.hands_meet = description.hands_meet;
   const std::vector<const BodyDescription*> distinct = DistinctBodies(description);
   std::vector<MadeShape> shapes = MakeShapes(distinct, options);
   const auto number_of = [&](const BodyDescription& body) {
@@ -676,8 +677,11 @@ void SaveScene(Scene scene, const std::string& file) {
   WriteFileAtomically(file, PackScene(scene, 0, Remarks::kKeep));
 }
 
-std::string ScriptFileBeside(const std::string& name_or_path) {
-  return fs::path(FindSceneFile(name_or_path)).replace_extension(".path.json").string();
+std::string ScriptFileBeside(const std::string& name_or_path, const std::string& tool) {
+  const fs::path scene(FindSceneFile(name_or_path));
+  const fs::path of_tool = fs::path(scene).replace_extension("." + tool + ".path.json");
+  if (!tool.empty() && fs::exists(of_tool)) return of_tool.string();
+  return fs::path(scene).replace_extension(".path.json").string();
 }
 
 std::string CriteriaFileBeside(const std::string& name_or_path) {

@@ -64,7 +64,8 @@ std::string FindSceneFile(const std::string& name_or_path);
 bool IsWholeAtStart(const std::string& name_or_path);
 
 /// Returns the path of the hand's script beside that file, NAME.path.json, which need not exist.
-std::string ScriptFileBeside(const std::string& name_or_path);
+/// @param tool  the tool's own, NAME.TOOL.path.json, if that exists
+std::string ScriptFileBeside(const std::string& name_or_path, const std::string& tool = "");
 
 /// Returns the path of the criteria that palpate-replay score grades by: NAME.criteria.json.
 std::string CriteriaFileBeside(const std::string& name_or_path);

@@ -22,7 +22,7 @@ struct TriangleMesh {
 };
 
 /// What a part of a body is made of: the properties of the leaves of its sphere tree (chapter
-/// 2.2.3).  Only the materials of objects count.
+/// 2.2.3).  A tool's is only what other tools feel of it (Scene::hands_meet): its friction.
 struct Material {
   /// Stiffness of a leaf's contact row [N/m]; infinite: rigid.
   double stiffness = std::numeric_limits<double>::infinity();
@@ -140,6 +140,9 @@ struct FirstSight {
   Vec3 from = Vec3::UnitZ();   ///< unit
 };
 
+/// Most tools of a scene whose hands meet.
+inline constexpr std::size_t kMostHands = 4;
+
 /// A compiled scene: what the server loads, and what is sent to others
 /// (scene_bundle.h).  Immutable.
 struct Scene {
@@ -147,6 +150,9 @@ struct Scene {
   std::vector<Body> tools;    ///< moved by hands, one station each
   std::vector<Body> objects;  ///< fixed in W, but for those of a group
   std::vector<MovedGroup> moved{};
+  /// Whether tools touch each other, and all hands act in one world; else each is alone with the
+  /// objects.
+  bool hands_meet = false;
   Coupling coupling;
   StepTuning tuning;
   Features features;

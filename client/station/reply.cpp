@@ -7,14 +7,6 @@ namespace palpate {
 
 static_assert(std::size(decltype(wire::Wrench::row){}) == LocalRows::kMost);
 
-namespace {
-
-Wrench WrenchOf(const double (&row)[6]) noexcept {
-  return {{row[0], row[1], row[2]}, {row[3], row[4], row[5]}};
-}
-
-}  // namespace
-
 Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept {
   Reply reply;
   reply.pose_sequence = sample.pose_sequence;
@@ -32,14 +24,12 @@ Reply ToReply(const wire::Wrench& sample, std::int64_t received_ns) noexcept {
     reply.local.row[static_cast<std::size_t>(i)] = {
         {row[0], row[1], row[2]}, {row[3], row[4], row[5]}, sample.row_offset_m[i]};
   }
-  if (sample.rows <= wire::kContactRows) {
-    reply.passive = WrenchOf(sample.row[wire::kContactRows]);
-    reply.active = WrenchOf(sample.row[wire::kContactRows + 1]);
-    // The same sum as the server's, so that nothing remains without contact.
-    const Wrench given = Sum(reply.passive, reply.active);
-    reply.wrench.force -= given.force;
-    reply.wrench.torque -= given.torque;
-  }
+  reply.passive = {wire::ToVec3(sample.passive_force_N), wire::ToVec3(sample.passive_torque_Nm)};
+  reply.active = {wire::ToVec3(sample.active_force_N), wire::ToVec3(sample.active_torque_Nm)};
+  // The same sum as the server's, so that nothing remains without contact.
+  const Wrench given = Sum(reply.passive, reply.active);
+  reply.wrench.force -= given.force;
+  reply.wrench.torque -= given.torque;
   reply.local.region_m = sample.region_m;
   reply.local.region_rad = sample.region_rad;
   reply.local.valid_s = sample.valid_s;

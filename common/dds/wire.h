@@ -59,16 +59,12 @@ using ReplayGap = palpate_ReplayGap;
 using ReplayWish = palpate_ReplayWish;
 using BodyPose = palpate_BodyPose;
 
-/// The number of a Wrench's rows that stand for contacts if effects are active.  The two rows after
-/// them are the forces of passive effects and of those that are not.
-inline constexpr int kContactRows = 4;
-
 // Loop types have no padding, so that the C struct is the CDR payload byte for byte (a test
 // compares them) and shared memory carries it as it is.
 static_assert(sizeof(HapticPose) == 2 * 8 + 13 * 8 + 2 * 4);
 static_assert(offsetof(HapticPose, position_m) == 16 && offsetof(HapticPose, buttons) == 120);
-static_assert(sizeof(Wrench) == 2 * 8 + 13 * 8 + 36 * 8 + 12 * 8 + 4 * 8 + 4 * 4);
-static_assert(offsetof(Wrench, row) == 120 && offsetof(Wrench, rows) == 536);
+static_assert(sizeof(Wrench) == 2 * 8 + 13 * 8 + 36 * 8 + 12 * 8 + 12 * 8 + 4 * 8 + 8 + 6 * 4);
+static_assert(offsetof(Wrench, row) == 120 && offsetof(Wrench, step) == 632);
 
 // Conversions between wire arrays and common/math.  Real-time: plain copies.
 

@@ -45,6 +45,7 @@ std::string MovedLines(const Scene& scene) {
                          1e-3 * static_cast<double>(group.keys.back().at),
                          group.repeats ? ", again and again" : "");
   }
+  if (scene.hands_meet) lines += "  tools touch each other: all hands act in one world\n";
   return lines;
 }
 

@@ -539,6 +539,9 @@ Scene ReadScene(const wire::Scene& in) {
   if (in.effects() != nullptr) {
     for (const wire::Effect* effect : *in.effects()) scene.effects.push_back(FromWire(*effect));
   }
+  scene.hands_meet = in.hands_meet();
+  Require(!scene.hands_meet || (scene.tools.size() >= 2 && scene.tools.size() <= kMostHands),
+          "hands meet, and there are not two to four");
   if (in.moved() != nullptr) {
     Require(in.moved()->size() <= kMostMoved, "too many groups move");
     for (const wire::MovedGroup* group : *in.moved()) scene.moved.push_back(FromWire(*group));
@@ -660,7 +663,7 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
                         scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
                         scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
                         scene.tuning.iterates, scene.tuning.queries, scene.tuning.still_cycles,
-                        effects, moved),
+                        effects, moved, scene.hands_meet),
       wire::SceneIdentifier());
 
   Header header{};

@@ -344,7 +344,8 @@ Features ReadFeatures(const JsonNode& root, const SceneDescription& scene) {
                         : model == "chapter" ? FrictionModel::kChapter
                                              : FrictionModel::kCoulomb;
     const auto rubs = [](const BodyDescription& body) { return AnyMaterial(body, Rubs); };
-    if (model != "off" && std::ranges::none_of(scene.objects, rubs)) {
+    if (model != "off" && std::ranges::none_of(scene.objects, rubs) &&
+        std::ranges::none_of(scene.tools, rubs)) {
       friction->Fail("no material of an object has friction; add static_friction, or use \"off\"");
     }
   }
@@ -568,7 +569,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
                     "grid_um", "moved"});
   } else {
     node.AllowOnly({"name", "mesh", "bur", "speed_rpm", "vibration", "edge", "leaves", "tree",
-                    pose_field, "look"});
+                    pose_field, "look", "material"});
   }
   BodyDescription body;
   body.name = ReadName(node.At("name"));
@@ -597,8 +598,11 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   if (auto look = node.Find("look")) {
     body.look = look->OneOf({std::begin(kLooks), std::end(kLooks)});
   }
+  if (auto material = node.Find("material")) {
+    if (!object) material->AllowOnly({"static_friction", "dynamic_friction"});
+    body.material = ReadMaterial(*material);
+  }
   if (object) {
-    if (auto material = node.Find("material")) body.material = ReadMaterial(*material);
     if (auto regions = node.Find("regions")) {
       for (const JsonNode& region : regions->Items(0, kMaxMaterials - 1)) {
         body.regions.push_back(ReadRegion(region, folder));
@@ -699,6 +703,54 @@ void ReadAllMoved(const JsonNode& root, SceneDescription& scene) {
   }
 }
 
+/// Reads whether the tools touch each other, and refuses what cannot be stepped with several hands.
+void ReadHandsMeet(const JsonNode& root, SceneDescription& scene) {
+  const auto meet = root.Find("hands_meet");
+  scene.hands_meet = meet && meet->Boolean();
+  const std::vector<JsonNode> tools = root.At("tools").Items();
+  if (!scene.hands_meet) {
+    for (const JsonNode& tool : tools) {
+      if (auto material = tool.Find("material")) {
+        material->Fail(
+            "is felt by other tools only; add \"hands_meet\": true to the scene, or drop it");
+      }
+    }
+    return;
+  }
+  if (tools.size() < 2 || tools.size() > kMostHands) {
+    meet->Fail("needs two to four tools, and there are " + std::to_string(tools.size()) +
+               "; list others under \"tools\", or drop it");
+  }
+  const auto refuse = [](const JsonNode& node, const char* field, const char* why) {
+    if (auto found = node.Find(field)) {
+      found->Fail(std::string("does not go with \"hands_meet\": ") + why + "; drop one of the two");
+    }
+  };
+  if (scene.features.contact == ContactModel::kSpheres) {
+    root.At("contact").Fail(
+        "hands meet by the meshes of their tools; use \"surface\", or drop \"hands_meet\"");
+  }
+  if (scene.features.friction == FrictionModel::kChapter) {
+    root.At("friction")
+        .Fail("chapter friction is of one tool; use \"coulomb\", or drop \"hands_meet\"");
+  }
+  refuse(root, "effects", "they count the steps, of which several hands make more");
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    if (i > 0 && scene.tools[i].leaves == 1) {
+      tools[i].At("leaves").Fail("a ball can meet other tools only as the first; list it first");
+    }
+  }
+  const std::vector<JsonNode> objects = root.At("objects").Items();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    refuse(objects[i], "grid_um", "nothing is cut there");
+    if (FeltByLeaves(scene.objects[i])) {
+      objects[i]
+          .At("material")
+          .Fail("only rigid objects go with \"hands_meet\"; drop the stiffness and modulus");
+    }
+  }
+}
+
 }  // namespace
 
 bool IsOfName(unsigned char c) {
@@ -757,7 +809,7 @@ void ReadTuning(const JsonNode& node, StepTuning& tuning) {
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
-                  "first_sight", "step", "effects", "whole_at_start", "moved"});
+                  "first_sight", "step", "effects", "whole_at_start", "moved", "hands_meet"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = SceneNameOf(path);
@@ -786,6 +838,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   CheckCurved(root, scene);
   CheckCutting(root, scene);
   ReadAllMoved(root, scene);
+  ReadHandsMeet(root, scene);
   if (auto whole = root.Find("whole_at_start")) {
     scene.whole_at_start = whole->Boolean();
     const bool is_cut = std::ranges::any_of(

@@ -104,6 +104,7 @@ struct SceneDescription {
   std::string name;
   std::vector<BodyDescription> tools, objects;
   std::vector<MovedGroup> moved;
+  bool hands_meet = false;
   Coupling coupling;
   StepTuning tuning;
   std::string coupling_where;  ///< "file:line: field" of the torsional stiffness

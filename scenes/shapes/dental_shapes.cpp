@@ -445,4 +445,19 @@ TriangleMesh MakeScaler(double tip_radius, double length) {
                              1.0));
 }
 
+TriangleMesh MakeMirror(double diameter, double length) {
+  const double r = 0.5 * diameter / kMillimetre;
+  const double l = length / kMillimetre;
+  return InMetres(Instrument({{0, 0, 0},
+                              {0, 0, 0.6},
+                              {0, 0, 1.2},
+                              {0, 0.2, 2.4},
+                              {0, 4, 6},
+                              {0, 18, 10},
+                              {0, 30, 12},
+                              {0, l - 2.0, 12 + 0.1 * (l - 30.0)},
+                              {0, l, 12.2 + 0.1 * (l - 30.0)}},
+                             {r - 0.6, r, r - 0.6, 1.2, 1.1, 1.1, 1.6, 2.2, 2.0}, 0.6));
+}
+
 }  // namespace palpate

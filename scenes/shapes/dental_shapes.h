@@ -77,4 +77,8 @@ TriangleMesh MakeProbe(double tip_radius, double length);
 /// Makes a scaler: like the probe, but its tip is a hook that points to -z and is sharper.
 TriangleMesh MakeScaler(double tip_radius, double length);
 
+/// Makes a mouth mirror: a disc about the origin, whose mirror faces -z; its stem leaves the back,
+/// and its handle ends at y = length.
+TriangleMesh MakeMirror(double diameter, double length);
+
 }  // namespace palpate

@@ -43,10 +43,14 @@ ServedScene ServeScene(const Scene& scene, const std::string& name_or_path,
   const bool whole_at_start = IsWholeAtStart(name_or_path);
   for (const Body& body : scene.tools) {
     ServedScene::Tool& tool = served.tools.emplace_back();
-    tool.served = std::make_shared<const ServedTool>(
-        ServedTool{scene.name, body.name, MakeModel(scene, body, objects), whole_at_start});
+    tool.served = std::make_shared<const ServedTool>(ServedTool{
+        scene.name, body.name, MakeModel(scene, body, objects), whole_at_start, scene.hands_meet});
     tool.X_WT = body.X_WB;
-    if (served.hand.empty()) AddGeneratedHand(scene, body, hand_seed, tool);
+    if (const std::string own = ScriptFileBeside(name_or_path, body.name); own != script) {
+      tool.hand = PoseScript::Load(own).keys();
+    } else if (served.hand.empty()) {
+      AddGeneratedHand(scene, body, hand_seed, tool);
+    }
   }
   return served;
 }

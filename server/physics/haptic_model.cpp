@@ -20,6 +20,10 @@ bool TouchesByLeaves(const PlacedTree& object) {
   return !object.is_cut && !TouchesByMesh(object);
 }
 
+bool IsRigidObject(const PlacedTree& object) {
+  return object.tool < 0 && TouchesByMesh(object);
+}
+
 }  // namespace
 
 SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel contact_model,
@@ -45,7 +49,7 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
   }
   if (contact != ContactModel::kSurface) return;
   bodies = MakeBodies(objects);
-  if (!bodies.empty()) insides.emplace(objects, &TouchesByMesh);
+  if (!bodies.empty()) insides.emplace(objects, &IsRigidObject);
   for (const CutSolid& solid : solids) bodies.push_back(BlocksOf(solid));
   box_count = solids.size();
   uncut = UncutBodies(solids, boxes(), bodies.size() - box_count);

@@ -67,7 +67,10 @@ bool Begin(const Pose& X_WH, StepContext& context) {
   StepBounds& bounds = context.sub_step.bounds;
   bounds = FirstBounds(context.model, hand_step);
   if (state.behind.translation > 0.0) bounds = state.behind;
-  if (context.buffers().meshes) state.frames.resize(context.buffers().meshes->of.size());
+  if (const auto& meshes = context.buffers().meshes;
+      meshes && state.frames.size() != meshes->of.size()) {
+    state.MakeFrames(context.model.bodies());
+  }
   AimFrames(context.model, state);
   const auto [moved, turned] = MotionOfFrames(context);
   if (moved + turned > 0.0) {
@@ -487,24 +490,41 @@ void Step(Party tools) {
 /// StepTogether, under default rounding.
 [[gnu::noinline]] void StepAll(std::span<ToolStep> steps, Together& together) noexcept {
   std::array<std::optional<StepContext>, kMostTools> contexts;
-  std::array<StepContext*, kMostTools> tools;
+  std::array<StepContext*, kMostTools> party;
+  std::array<ToolStep*, kMostTools> step_of;
   std::array<bool, kMostTools> is_usable;
+  std::size_t tools = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    ToolStep& step = steps[i];
+    const bool is_there = steps[i].share > 0.0;
+    together.place[i] = is_there ? static_cast<std::int32_t>(tools) : -1;
+    if (is_there) step_of[tools++] = &steps[i];
+  }
+  const auto stiffness = [](const ToolStep& step) {
+    return step.share * step.model->parameters().stiffness;
+  };
+  for (std::size_t i = 0; i < tools; ++i) {
+    ToolStep& step = *step_of[i];
     std::construct_at(&step.report);
     step.report.parameters = &step.model->parameters();
     contexts[i].emplace(*step.model, *step.state, step.workspace->buffers(), step.report);
-    tools[i] = &*contexts[i];
-    tools[i]->together = &together;
-    tools[i]->weight = step.model->parameters().stiffness / steps[0].model->parameters().stiffness;
-    is_usable[i] = Begin(step.X_WH, *tools[i]);
-    if (!is_usable[i]) Begin(step.state->X_WH, *tools[i]);
+    party[i] = &*contexts[i];
+    party[i]->together = tools > 1 ? &together : nullptr;
+    party[i]->weight = stiffness(step) / stiffness(*step_of[0]);
+    is_usable[i] = Begin(step.X_WH, *party[i]);
+    if (!is_usable[i]) Begin(step.state->X_WH, *party[i]);
   }
-  Step(Party(tools.data(), steps.size()));
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (is_usable[i]) continue;
-    ForgetForces(steps[i].report);
-    steps[i].report.faults |= kFaultBadPose;
+  if (tools == 0) return;
+  Step(Party(party.data(), tools));
+  for (std::size_t i = 0; i < tools; ++i) {
+    StepReport& report = step_of[i]->report;
+    if (!is_usable[i]) {
+      ForgetForces(report);
+      report.faults |= kFaultBadPose;
+    }
+    for (int k = 0; k < report.contacts; ++k) {
+      std::int32_t& tool = report.active[static_cast<std::size_t>(k)].tool;
+      if (tool >= 0) tool = static_cast<std::int32_t>(step_of[std::size_t(tool)] - steps.data());
+    }
   }
 }
 
@@ -526,6 +546,8 @@ TogetherWorkspace::TogetherWorkspace(std::span<const HapticModel* const> models)
     const HapticModel& model = *models[i];
     require(model.tool_body() != nullptr, "all must touch by their meshes; use \"surface\"");
     require(!model.yields() && !model.cuts(), "nothing may be soft, or cut");
+    require(model.moved().empty() && model.effects().empty(),
+            "no group may move by itself, and there may be no effects: these count steps");
     const FrictionModel friction = model.parameters().features.friction;
     require(friction == models[0]->parameters().features.friction &&
                 friction != FrictionModel::kChapter,

@@ -45,10 +45,13 @@ StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& sta
 
 /// One tool of several that are stepped together.
 struct ToolStep {
-  const HapticModel* model;
-  Pose X_WH;  ///< as of HapticStep
-  StepState* state;
-  StepWorkspace* workspace;
+  const HapticModel* model = nullptr;
+  Pose X_WH{};  ///< as of HapticStep
+  StepState* state = nullptr;
+  StepWorkspace* workspace = nullptr;
+  /// Of its spring, what acts: above 0, to 1; the report's forces are of the whole spring.  0: the
+  /// tool is not there, and its state and report stay as they are.
+  double share = 1.0;
   StepReport report{};  ///< out
 };
 
@@ -70,7 +73,8 @@ class TogetherWorkspace {
 ///
 /// For each pair of tools, one model, and only one, has the other tool as an object (PlacedTree:
 /// `tool` is its index here, and `frame` is a frame of its own).  All must be rigid meshes (balls
-/// may be the first of a pair only), without friction, soft leaves, and burs.
+/// may be the first of a pair only), without chapter friction, soft leaves, burs, and effects.
+/// Call Leave of a tool's frames when it is no longer there, and before it comes back.
 /// A tool whose pose is not usable stays at its last hand's, and feels nothing (kFaultBadPose).
 /// Real-time and deterministic, as HapticStep.
 void StepTogether(std::span<ToolStep> tools, TogetherWorkspace& workspace) noexcept;

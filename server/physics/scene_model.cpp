@@ -41,9 +41,8 @@ Cutting CuttingOf(const BurProfile& profile) {
   return cutting;
 }
 
-}  // namespace
-
-std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
+/// Makes the objects of a scene, and the tools from `first_tool` on.
+std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene, std::size_t first_tool) {
   const DefaultRounding rounding;
   std::vector<PlacedTree> placed;
   std::vector<CutSolid> solids;
@@ -65,8 +64,23 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
       solids.back().object = static_cast<std::uint32_t>(placed.size() - 1);
     }
   }
+  for (std::size_t j = first_tool; j < scene.tools.size(); ++j) {
+    const Body& tool = scene.tools[j];
+    placed.push_back({.tree = &tool.tree,
+                      .mesh = &tool.mesh,
+                      .materials = tool.materials,
+                      .for_balls = for_balls,
+                      .frame = static_cast<std::int32_t>(j - first_tool + 1),
+                      .tool = static_cast<std::int32_t>(j)});
+  }
   return std::make_shared<const SceneObjects>(placed, scene.features.contact, std::move(solids),
                                               scene.moved);
+}
+
+}  // namespace
+
+std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
+  return MakeObjects(scene, scene.tools.size());
 }
 
 HapticModel MakeModel(const Scene& scene, const Body& tool,
@@ -79,6 +93,9 @@ HapticModel MakeModel(const Scene& scene, const Body& tool,
   parameters.stiffness = scene.coupling.stiffness;
   parameters.torsional_stiffness = scene.coupling.torsional_stiffness;
   parameters.features = scene.features;
+  const auto number = std::ranges::find(scene.tools, tool.name, &Body::name) - scene.tools.begin();
+  const std::size_t next = static_cast<std::size_t>(number) + 1;
+  if (scene.hands_meet && next < scene.tools.size()) objects = MakeObjects(scene, next);
   return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh,
                      tool.bur ? std::optional(CuttingOf(*tool.bur)) : std::nullopt,
                      Effects(scene.effects));

@@ -12,7 +12,8 @@ namespace palpate {
 std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene);
 
 /// Makes the model of one of the scene's tools, with the scene's features.  For other features,
-/// change those of a copy of the scene first.
+/// change those of a copy of the scene first.  If tools touch each other, that of each but the last
+/// has objects of its own: these, and the tools that the scene lists after it.
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects);
 

@@ -42,7 +42,11 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
   if (IsInSolid(model, at, cuts)) return false;
   if (!buffers.meshes) return true;
   // A tool whose mesh intersects no other lies wholly inside an object or wholly outside.
-  return buffers.meshes->All([&](MeshContact& frame) { return IsFree(frame.meshes, at); }) &&
+  const auto is_free = [&](MeshContact& contact) {
+    const auto frame = static_cast<std::size_t>(contact.meshes.frame);
+    return buffers.tool_of_frame[frame] >= 0 || IsFree(contact.meshes, at);
+  };
+  return buffers.meshes->All(is_free) &&
          !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
 }
 
@@ -74,6 +78,20 @@ std::pair<Vec3, double> FindExit(const HapticModel& model, const Pose& X_WH,
 
 }  // namespace
 
+bool Meet(const HapticModel& model, const Pose& X_WT, std::int32_t tool, const Pose& X_WB,
+          StepWorkspace& workspace) noexcept {
+  const auto body = std::ranges::find(model.bodies(), tool, &ContactBody::tool);
+  const Pose X_BT = X_WB.Inverse() * X_WT;
+  const RelativePose at(X_BT * model.reference(),
+                        model.is_ball() ? Quat::Identity() : X_BT.q.normalized());
+  const auto& frames = workspace.buffers().meshes->of;
+  if (!IsFree(frames[static_cast<std::size_t>(body->frame)].meshes, at)) return true;
+  const MovingBody& own = *model.tool_body();
+  return Holds(*body->shape, at.p + at.R * own.mesh.vertices()[0]) ||
+         (!model.is_ball() &&
+          Holds(own, at.R.transpose() * (body->shape->mesh.vertices()[0] - at.p)));
+}
+
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
                        std::span<const CutField> cuts) {
   const DefaultRounding rounding;
@@ -81,7 +99,7 @@ StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace
   state.moved = -1;  // groups are where they begin
   if (!model.boxes().empty() && model.tool_body() != nullptr) {
     state.solids = SolidBodies(model.uncut());
-    state.frames.resize(CountFrames(model.bodies()));
+    state.MakeFrames(model.bodies());
     if (!cuts.empty()) state.solids.Begin(cuts, state.frames.front().front);
     for (MeshContact& contact : workspace.buffers().meshes->of) {
       contact.meshes.solids = &state.solids;

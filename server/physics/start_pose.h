@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "common/math/pose.h"
@@ -16,8 +17,13 @@ struct StartPose {
   double depth = 0.0;
 };
 
+/// Returns whether a tool at X_WT meets another of its scene's tools, of which its model knows, and
+/// which is at X_WB.  Real-time: some hundred microseconds at most.
+bool Meet(const HapticModel& model, const Pose& X_WT, std::int32_t tool, const Pose& X_WB,
+          StepWorkspace& workspace) noexcept;
+
 /// Finds a start pose for a tool that may penetrate an object.  Not real-time (milliseconds);
-/// called before forces begin.
+/// called before forces begin.  Other tools count as not there.
 /// `cuts`: what has been removed from the solids, as in StepState; empty means nothing.
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,
                        std::span<const CutField> cuts = {});

@@ -63,11 +63,20 @@ struct CuttingState {
   double tooth = 0.0;  ///< phase of the tooth frequency of the vibration, 0 to 1
 };
 
+/// Where a frame is whose bodies are not there: a tool that no hand holds [m].
+inline const Vec3 kAway{1e4, 0.0, 0.0};
+
 /// A frame B of bodies that stand still to each other, and move in W.  Frame 0 is W itself.
 struct BodyFrame {
   Pose X_WB;              ///< where its bodies are, relative to where the model has placed them
   Pose X_WB_next;         ///< where they are to be at the end of the next step; set before it
   SeparationFront front;  ///< planes between the tool and its bodies that are touched by meshes
+
+  /// Takes its bodies away: nothing touches them.
+  void Leave() noexcept {
+    X_WB = X_WB_next = {kAway, Quat::Identity()};
+    front.Clear();
+  }
 };
 
 /// The state that one step passes to the next: all memory of the physics.  A copy that is stepped
@@ -79,7 +88,7 @@ struct StepState {
   /// known.  A default-constructed state cuts nothing, and its first step between meshes allocates.
   explicit StepState(const HapticModel& model) : effects(model.effects().Begin()) {
     if (model.tool_body() != nullptr) {
-      frames.resize(CountFrames(model.bodies()));
+      MakeFrames(model.bodies());
       for (BodyFrame& frame : frames) frame.front.Reserve();
       if (!model.boxes().empty()) solids = SolidBodies(model.uncut());
     }
@@ -110,6 +119,13 @@ struct StepState {
   CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state
 
+  /// Makes the frames of these bodies; other tools are not there.
+  void MakeFrames(std::span<const ContactBody> bodies) {
+    frames.resize(CountFrames(bodies));
+    for (const ContactBody& body : bodies) {
+      if (body.tool >= 0) frames[static_cast<std::size_t>(body.frame)].Leave();
+    }
+  }
   /// Puts the groups of the model where they begin.
   void RestMoved() noexcept {
     moved = 0;

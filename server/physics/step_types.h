@@ -16,7 +16,7 @@
 namespace palpate {
 
 /// Most tools that are stepped together (StepTogether).
-inline constexpr std::size_t kMostTools = 4;
+inline constexpr std::size_t kMostTools = kMostHands;
 
 /// A body placed in the world.  The call that takes it does not keep its pointers.
 struct PlacedTree {

@@ -16,8 +16,6 @@ constexpr double kMaxCoordinate_m = 100.0;
 constexpr double kMaxSpeed_m_s = 5.0;  // above a hand's fastest strokes
 constexpr double kMaxTurn_rad_s = 100.0;
 constexpr int kJumpAgreement = 5;        // samples
-constexpr double kGainUp = 1.0 / 200.0;  // per sample: 200 ms from none to full force
-constexpr double kGainDown = 1.0 / 20.0;
 constexpr double kUnitTolerance = 1e-6;  // of |q|^2; as far as single-precision drivers are off
 constexpr double kWrenchValid_s = 0.05;
 /// The distance within which the rows are said to hold: kWrenchValid_s of a hand at 0.1 m/s.  No
@@ -58,20 +56,21 @@ void SetScaled(const Wrench& full, const EffectWrenches& effects, double gain,
                wire::Wrench& answer) noexcept {
   wire::FromVec3(gain * full.force, answer.force_N);
   wire::FromVec3(gain * full.torque, answer.torque_Nm);
-  const Wrench* const of_effects[] = {&effects.passive, &effects.active};
-  for (int i = 0; i < 2; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      answer.row[wire::kContactRows + i][k] = gain * of_effects[i]->force[k];
-      answer.row[wire::kContactRows + i][3 + k] = gain * of_effects[i]->torque[k];
-    }
-  }
+  wire::FromVec3(gain * effects.passive.force, answer.passive_force_N);
+  wire::FromVec3(gain * effects.passive.torque, answer.passive_torque_Nm);
+  wire::FromVec3(gain * effects.active.force, answer.active_force_N);
+  wire::FromVec3(gain * effects.active.torque, answer.active_torque_Nm);
 }
 
 }  // namespace
 
-ServoLoop::ServoLoop(const HapticModel& model) : model_(model), workspace_(model), state_(model) {
-  snapshot_.moved = model.moved().size();
-  if (!state_.cut.fields.empty()) {
+ServoLoop::ServoLoop(const HapticModel& model)
+    : ServoLoop(std::make_shared<World>(std::vector{&model}), 0) {}
+
+ServoLoop::ServoLoop(std::shared_ptr<World> world, std::size_t tool)
+    : world_(std::move(world)), tool_(tool), hand_(world_->MakeHand()) {
+  snapshot_.moved = model().moved().size();
+  if (!cuts().empty()) {
     cut_blocks_ = std::make_unique<Ring<CutBlock, 256>>();
     given_ = std::make_unique<Ring<CutBlock, 64>>();
     merges_ = std::make_unique<Ring<CutMerge, 64>>();
@@ -97,12 +96,9 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
     return false;
   }
   heard_.fetch_add(1, std::memory_order_relaxed);
-  if (start_.Read(state_.X_WG)) {
-    state_.ForgetContact();
-    started_ = true;
-    gain_ = 0.0;
-    start_sequence_.store(pose.pose_sequence, std::memory_order_release);
-  }
+  const World::Turn turn(*world_);
+  world_->Hear(tool_, hand_);
+  TakeStart(pose.pose_sequence);
 
   // Read first, so that blocks given after a MakeWhole are seen after it.
   const std::size_t given = given_ ? given_->size() : 0;
@@ -111,7 +107,7 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   if (given > 0) MergeCuts(pose.pose_sequence, given);
 
   Clear(answer);
-  state_.cut.spins = (pose.buttons & kStillBurButton) == 0;
+  state().cut.spins = (pose.buttons & kStillBurButton) == 0;
   snapshot_.points = 0;
   snapshot_.buttons = pose.buttons;
   answer.pose_sequence = pose.pose_sequence;
@@ -120,12 +116,15 @@ bool ServoLoop::OnPose(const wire::HapticPose& pose, wire::Wrench& answer) noexc
   if (const std::uint32_t fault = UsePose(pose); fault != kFaultNone) {
     Hold(fault, answer);
   } else if (!started_) {
-    state_.X_WG = X_WH_;
+    X_WG_ = X_WH_;
     answer.faults = kFaultNotStarted;
   } else {
     Step(answer);
   }
-  wire::FromPose(state_.X_WG, answer.graphic_position_m, answer.graphic_orientation_wxyz);
+  if (started_) X_WG_ = state().X_WG;
+  wire::FromPose(X_WG_, answer.graphic_position_m, answer.graphic_orientation_wxyz);
+  answer.step = world_->steps();
+  answer.hands = world_->there();
   if (cut_blocks_) TellCuts(pose.pose_sequence);
   Report(answer, taken_ns);
   return true;
@@ -135,13 +134,27 @@ void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
   const std::uint32_t newest = newest_.load(std::memory_order_acquire);
   // What cannot be recorded is not done.
   if (newest == period_ || !wholes_.Push(pose_sequence)) return;
-  for (CutField& cut : state_.cut.fields) cut.MakeWhole();
-  state_.RestMoved();
+  for (CutField& cut : cuts()) cut.MakeWhole();
+  state().RestMoved();
   merging_ = 0;
   started_ = false;
-  gain_ = 0.0;
+  gain() = 0.0;
   // Last of all, because the service thread then takes it as done.
   period_.store(newest, std::memory_order_release);
+}
+
+void ServoLoop::LoseStart() noexcept {
+  started_ = false;
+  voids_.fetch_add(1, std::memory_order_release);
+}
+
+void ServoLoop::TakeStart(std::uint64_t pose_sequence) noexcept {
+  if (started_ && !world_->Holds(tool_, hand_)) LoseStart();
+  Pose X_WG;
+  if (!start_.Read(X_WG)) return;
+  if (!world_->Place(tool_, hand_, X_WG)) return LoseStart();
+  started_ = true;
+  start_sequence_.store(pose_sequence, std::memory_order_release);
 }
 
 bool ServoLoop::InSequence(const wire::HapticPose& pose) noexcept {
@@ -171,11 +184,13 @@ std::uint32_t ServoLoop::UsePose(const wire::HapticPose& pose) noexcept {
     jump_agreed_ = agrees ? jump_agreed_ + 1 : 1;
     X_WJ_ = X_WH;
     X_WJ_time_ns_ = time_ns;
-    if (jump_agreed_ < kJumpAgreement) {
+    // Where hands meet, the tool first lets go of the others.
+    const bool is_held = started_ && world_->is_shared() && world_->Holds(tool_, hand_);
+    if (jump_agreed_ < kJumpAgreement || is_held) {
       ++counters_.rejected_speed;
       return kFaultPoseRejected;
     }
-    gain_ = 0.0;
+    if (started_) gain() = 0.0;
   }
   jump_agreed_ = 0;
   has_pose_ = true;
@@ -185,13 +200,13 @@ std::uint32_t ServoLoop::UsePose(const wire::HapticPose& pose) noexcept {
 }
 
 void ServoLoop::Step(wire::Wrench& answer) noexcept {
-  const StepReport report = HapticStep(model_, X_WH_, state_, workspace_);
+  const StepReport& report = world_->Step(tool_, X_WH_);
   ++counters_.steps;
   if (report.faults != kFaultNone) ++counters_.faulted_steps;
-  gain_ = gain_ + kGainUp < 1.0 ? gain_ + kGainUp : 1.0;
+  const double part = gain();
   full_ = report.wrench;
   effects_ = report.effects;
-  SetScaled(full_, effects_, gain_, answer);
+  SetScaled(full_, effects_, part, answer);
   answer.faults = report.faults;
   int rigid = 0;
   while (rigid < report.contacts && std::isinf(report.active[rigid].stiffness)) ++rigid;
@@ -199,21 +214,25 @@ void ServoLoop::Step(wire::Wrench& answer) noexcept {
   for (int i = 0; i < report.contacts; ++i) {
     const ActiveRow& active = report.active[i];
     snapshot_.point[i] = {active.contact_W,
-                          gain_ * (active.force * active.normal + active.friction)};
+                          part * (active.force * active.normal + active.friction)};
   }
   snapshot_.points = report.contacts;
   if (!report.bur_force.isZero(0.0) && snapshot_.points < std::ssize(snapshot_.point)) {
-    snapshot_.point[snapshot_.points++] = {report.bur_W, gain_ * report.bur_force};
+    snapshot_.point[snapshot_.points++] = {report.bur_W, part * report.bur_force};
   }
   // A station computes the full force from the rows.  None are given while the sent force is less,
-  // or while something else pushes too: soft rows, a jam's seventh row, effects that need the room.
-  constexpr int kAll = std::size(decltype(answer.row_force_N){});
-  const int most = model_.effects().empty() ? kAll : wire::kContactRows;
-  if (gain_ < 1.0 || report.soft_contacts > 0 || rigid > most) return;
+  // or while something else pushes too: soft rows, a jam's seventh row, a tool that itself gives
+  // way.
+  constexpr int kMost = std::size(decltype(answer.row_force_N){});
+  const auto gives_way = [](const ActiveRow& row) { return row.tool >= 0; };
+  if (part < 1.0 || report.soft_contacts > 0 || rigid > kMost ||
+      std::any_of(report.active.begin(), report.active.begin() + rigid, gives_way)) {
+    return;
+  }
   answer.rows = answer.contacts;
   answer.region_m = kRegion_m;
-  answer.region_rad = model_.is_ball() ? std::numbers::pi
-                                       : kRegion_m / std::max(model_.tool().max_lever, kRegion_m);
+  answer.region_rad = model().is_ball() ? std::numbers::pi
+                                        : kRegion_m / std::max(model().tool().max_lever, kRegion_m);
   for (int i = 0; i < rigid; ++i) {
     const ActiveRow& active = report.active[i];
     for (int k = 0; k < 3; ++k) {
@@ -236,21 +255,21 @@ void ServoLoop::MergeCuts(std::uint64_t pose_sequence, std::size_t given) noexce
   }
   for (int i = started_ ? kMostMerged : kMostMergedAtRest; i > 0 && merging_ > 0; --i) {
     const CutBlock& block = given_->Front();
-    state_.cut.fields[block.solid].Merge(block.block, block.merged());
+    cuts()[block.solid].Merge(block.block, block.merged());
     given_->Drop();
     --merging_;
   }
 }
 
 void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
-  if (std::ranges::none_of(state_.cut.fields, &CutField::has_changed)) return;
+  if (std::ranges::none_of(cuts(), &CutField::has_changed)) return;
   // All or none: a replay then needs only the pose since which there was no room.
   if (cuts_held_ || cut_blocks_->size() + kMostCutBlocks > cut_blocks_->kCapacity) {
     if (held_from_ == 0) held_from_ = pose_sequence;
     return;
   }
   CutBlock published;
-  for (int i = 0; i < kMostCutBlocks && TakeChanged(state_.cut.fields, published); ++i) {
+  for (int i = 0; i < kMostCutBlocks && TakeChanged(cuts(), published); ++i) {
     published.period = period_;
     published.pose_sequence = pose_sequence;
     published.held_from = std::exchange(held_from_, 0);
@@ -259,21 +278,21 @@ void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
 }
 
 void ServoLoop::Hold(std::uint32_t fault, wire::Wrench& answer) noexcept {
-  gain_ = gain_ > kGainDown ? gain_ - kGainDown : 0.0;
-  SetScaled(full_, effects_, gain_, answer);
+  if (started_) world_->Fade(tool_);
+  SetScaled(full_, effects_, gain(), answer);
   answer.faults = started_ ? fault : fault | kFaultNotStarted;
 }
 
 void ServoLoop::Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept {
   snapshot_.pose_sequence = answer.pose_sequence;
   snapshot_.X_WH = X_WH_;
-  snapshot_.X_WG = state_.X_WG;
+  snapshot_.X_WG = X_WG_;
   snapshot_.wrench = wire::ToWrench(answer);
   snapshot_.contacts = answer.contacts;
   snapshot_.faults = answer.faults;
   snapshot_.has_pose = has_pose_;
   for (std::size_t i = 0; i < snapshot_.moved; ++i) {
-    snapshot_.X_moved[i] = state_.frames[i + 1].X_WB;
+    snapshot_.X_moved[i] = state().frames[i + 1].X_WB;
   }
   snapshot_.step_s = 1e-9 * static_cast<double>(SteadyNanoseconds() - taken_ns);
   snapshots_.Write(snapshot_);

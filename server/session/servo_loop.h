@@ -13,6 +13,7 @@
 #include "common/realtime/ring.h"
 #include "server/physics/haptic_step.h"
 #include "server/session/cut_block.h"
+#include "server/session/world.h"
 
 namespace palpate {
 
@@ -70,8 +71,10 @@ struct LoopSnapshot {
 /// Thread contract: OnPose in the servo thread; all else in one other thread, the service thread.
 class ServoLoop {
  public:
-  /// Allocates what the steps need.
+  /// For a tool that is alone in its world.  Allocates what the steps need.
   explicit ServoLoop(const HapticModel& model);
+  /// For a tool of a world in which hands meet.
+  ServoLoop(std::shared_ptr<World> world, std::size_t tool);
 
   /// Answers a pose.  Returns false if there is nothing to send.
   /// Real-time: no allocation, lock or log; the clock only feeds the statistics.
@@ -81,6 +84,9 @@ class ServoLoop {
   void Start(const Pose& X_WG) { start_.Write(X_WG); }
   /// Sequence number of the first pose after Start, the first whose wrench is computed; 0 before.
   std::uint64_t start_sequence() const { return start_sequence_.load(std::memory_order_acquire); }
+  /// Where hands meet: counts how often a Start was void because another tool was there, or the
+  /// tool was let go.  Forces need another Start then.
+  std::uint32_t voids() const { return voids_.load(std::memory_order_acquire); }
   /// Makes the scene whole again before the next pose's step.  Restored material may lie where the
   /// tool is, so there are no forces from that pose on, until a Start that follows made_whole().
   void MakeWhole();
@@ -115,7 +121,7 @@ class ServoLoop {
   /// wholes and blocks, reproduce the same bits.
   bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
   /// What burs removed from each solid.  Use it only before the first pose, or after the last.
-  std::vector<CutField>& cuts() { return state_.cut.fields; }
+  std::vector<CutField>& cuts() { return state().cut.fields; }
   /// Valid after the last pose: its sequence number, and how many poses were answered.
   std::uint64_t last_sequence() const { return last_sequence_; }
   std::uint32_t answers() const { return answers_; }
@@ -128,6 +134,11 @@ class ServoLoop {
   bool ReadCounters(LoopCounters& counters) { return reports_.Read(counters); }
 
  private:
+  const HapticModel& model() const { return world_->model(tool_); }
+  StepState& state() { return world_->state(tool_); }
+  double& gain() { return world_->gain(tool_); }  // part of the wrench that is sent, 0 to 1
+  void TakeStart(std::uint64_t pose_sequence) noexcept;
+  void LoseStart() noexcept;
   bool InSequence(const wire::HapticPose& pose) noexcept;
   /// Sets X_WH_ if the pose can be used; otherwise returns the fault.
   std::uint32_t UsePose(const wire::HapticPose& pose) noexcept;
@@ -138,12 +149,12 @@ class ServoLoop {
   void Hold(std::uint32_t fault, wire::Wrench& answer) noexcept;
   void Report(wire::Wrench& answer, std::int64_t taken_ns) noexcept;
 
-  const HapticModel& model_;
-  StepWorkspace workspace_;
-  StepState state_;
+  std::shared_ptr<World> world_;
+  std::size_t tool_;
+  std::uint32_t hand_;
   bool started_ = false;
-  double gain_ = 0.0;  // part of the wrench that is sent, 0 to 1
-  Wrench full_;        // the last step's wrench, unscaled
+  Pose X_WG_;    // as sent last
+  Wrench full_;  // the last step's wrench, unscaled
   EffectWrenches effects_;
   LoopSnapshot snapshot_;
 
@@ -165,6 +176,7 @@ class ServoLoop {
   std::atomic<std::uint64_t> heard_{0};
   std::atomic<bool> counters_wanted_{false};
   std::atomic<std::uint64_t> start_sequence_{0};
+  std::atomic<std::uint32_t> voids_{0};
   LatestMailbox<Pose> start_;
   LatestMailbox<LoopSnapshot> snapshots_;
   LatestMailbox<LoopCounters> reports_;

@@ -16,6 +16,9 @@ constexpr double kMoved_m = 2e-4;
 constexpr double kTurned_rad = 1e-3;
 constexpr double kNews_m = 2e-3;  // a change that a person at the device can follow
 
+constexpr const char* kTakenText =
+    "another hand's tool is where this one would begin; move them apart, and forces begin";
+
 std::string InsideText(double depth_m) {
   return "the tool is " + std::to_string(std::lround(1e3 * depth_m)) +
          " mm inside an object; move the hand back until it is free, and forces begin";
@@ -24,20 +27,20 @@ std::string InsideText(double depth_m) {
 }  // namespace
 
 Session::Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
-                 std::int64_t now_ns, const SessionClient& client)
+                 std::int64_t now_ns, const SessionClient& client, std::unique_ptr<ServoLoop> loop)
     : station_(std::move(station)),
       run_(run),
       tool_(std::move(tool)),
       client_(client),
-      loop_(tool_->model),
+      loop_(loop ? std::move(loop) : std::make_unique<ServoLoop>(tool_->model)),
       start_workspace_(std::in_place, tool_->model),
       heard_ns_(now_ns),
       asked_ns_(now_ns) {}
 
 bool Session::Update(std::int64_t now_ns, bool may_start) {
   if (ended()) return false;
-  loop_.ReadSnapshot(snapshot_);
-  const std::uint64_t heard = loop_.heard() + unanswered_.load(std::memory_order_relaxed);
+  loop_->ReadSnapshot(snapshot_);
+  const std::uint64_t heard = loop_->heard() + unanswered_.load(std::memory_order_relaxed);
   if (heard != heard_) {
     heard_ = heard;
     heard_ns_ = now_ns;
@@ -51,11 +54,23 @@ bool Session::Update(std::int64_t now_ns, bool may_start) {
   }
   if (heard_ == 0 && std::exchange(listeners_told_, listeners_) != listeners_) return true;
   // A poll after it was told: a recording then has it before it has the first force.
-  if (std::exchange(start_waits_, false)) loop_.Start(X_WG_start_);
+  if (std::exchange(start_waits_, false)) loop_->Start(X_WG_start_);
   // Read before the start: of a start and a MakeWhole, the loop does the start first.
-  const bool made_whole = whole_wanted_ && loop_.made_whole();
-  if (phase_ == palpate_SESSION_ACTIVE && !start_seen_ && loop_.start_sequence() != former_start_) {
+  const bool made_whole = whole_wanted_ && loop_->made_whole();
+  // And before the start, because a start may be void at once, and recordings need it.
+  const std::uint32_t voids = loop_->voids();
+  if (phase_ == palpate_SESSION_ACTIVE && !start_seen_ &&
+      loop_->start_sequence() != former_start_) {
     start_seen_ = true;
+    return true;
+  }
+  if (std::exchange(voids_, voids) != voids) {
+    const bool began = start_seen_;
+    BeginAgain();
+    if (!began) {
+      phase_ = palpate_SESSION_ACQUIRING;
+      reason_ = kTakenText;
+    }
     return true;
   }
   if (made_whole) BeginAgain();
@@ -98,7 +113,7 @@ bool Session::TryStart(std::int64_t now_ns) {
 }
 
 bool Session::TakeWhole(wire::LoopWhole& whole) {
-  if (!loop_.TakeWhole(whole.pose_sequence)) return false;
+  if (!loop_->TakeWhole(whole.pose_sequence)) return false;
   wire::FromText(station_, whole.station);
   whole.run = run_;
   whole.number = ++wholes_;
@@ -106,7 +121,7 @@ bool Session::TakeWhole(wire::LoopWhole& whole) {
 }
 
 void Session::Begin(const std::vector<CutField>& cuts, bool has_all) {
-  if (has_all) loop_.cuts() = cuts;
+  if (has_all) loop_->cuts() = cuts;
   start_is_held_ = !has_all;
   start_cuts_ = cuts;
 }
@@ -117,16 +132,16 @@ void Session::Leave() {
 }
 
 void Session::MakeWhole() {
-  if (whole_wanted_ && loop_.was_given_nothing())
+  if (whole_wanted_ && loop_->was_given_nothing())
     return;  // another was requested before the loop could begin again
   whole_wanted_ = true;
   start_waits_ = false;
-  loop_.MakeWhole();
+  loop_->MakeWhole();
 }
 
 void Session::BeginAgain() {
   whole_wanted_ = false;
-  former_start_ = loop_.start_sequence();
+  former_start_ = loop_->start_sequence();
   start_seen_ = false;
   if (!start_workspace_) start_workspace_.emplace(tool_->model);
   phase_ = palpate_SESSION_WAITING;

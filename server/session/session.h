@@ -18,10 +18,12 @@ namespace palpate {
 
 /// A tool that a station can drive.  Immutable, shared.
 struct ServedTool {
-  ServedTool(std::string of_scene, std::string name, HapticModel made, bool whole = false)
+  ServedTool(std::string of_scene, std::string name, HapticModel made, bool whole = false,
+             bool meets = false)
       : scene(std::move(of_scene)),
         tool(std::move(name)),
         whole_at_start(whole),
+        hands_meet(meets),
         shared(std::make_shared<const HapticModel>(std::move(made))) {}
   /// Returns the same tool, with the same model, in a scene of another name.
   ServedTool In(std::string other_scene) const {
@@ -33,6 +35,7 @@ struct ServedTool {
   std::string scene;
   std::string tool;
   bool whole_at_start;  ///< the scene is made whole if no other session is active
+  bool hands_meet;      ///< as Scene::hands_meet
   std::shared_ptr<const HapticModel> shared;
   const HapticModel& model = *shared;
 };
@@ -59,8 +62,10 @@ class Session {
   static constexpr std::int64_t kMouseSilence_ns = 1'000'000'000;
   static constexpr double kMaxStartDepth_m = 0.010;
 
+  /// @param loop  of the tool, if hands meet; else null, and the tool is alone in its world
   Session(std::string station, std::uint64_t run, std::shared_ptr<const ServedTool> tool,
-          std::int64_t now_ns, const SessionClient& client = {});
+          std::int64_t now_ns, const SessionClient& client = {},
+          std::unique_ptr<ServoLoop> loop = nullptr);
 
   /// Advances the session; call every few milliseconds.  Returns whether phase, depth or reason
   /// changed, or the loop has begun to compute forces.
@@ -99,7 +104,7 @@ class Session {
   void TellListeners(int listeners) { listeners_ = listeners; }
   int listeners() const { return listeners_; }
 
-  ServoLoop& loop() { return loop_; }
+  ServoLoop& loop() { return *loop_; }
   /// Notes a pose that is not, or not yet, given to the loop, so that the station does not count as
   /// silent.  From any thread.  Real-time: wait-free.
   void HearUnanswered() noexcept { unanswered_.fetch_add(1, std::memory_order_relaxed); }
@@ -117,7 +122,7 @@ class Session {
   double start_depth() const { return start_depth_; }
   /// Sequence of the first pose that a force answers (0 until the loop has had it), and
   /// the tool's pose then.
-  std::uint64_t start_sequence() const { return start_seen_ ? loop_.start_sequence() : 0; }
+  std::uint64_t start_sequence() const { return start_seen_ ? loop_->start_sequence() : 0; }
   const Pose& start() const { return X_WG_start_; }
   /// The loop's latest step at the last Update; has_pose is false before the first pose.
   const LoopSnapshot& snapshot() const { return snapshot_; }
@@ -130,7 +135,7 @@ class Session {
   std::uint64_t run_;
   std::shared_ptr<const ServedTool> tool_;
   SessionClient client_;
-  ServoLoop loop_;
+  std::unique_ptr<ServoLoop> loop_;
   std::optional<StepWorkspace> start_workspace_;  // only until the session is active
   std::span<const CutField> start_cuts_;          // of all burs in the scene
   wire::SessionPhase phase_ = palpate_SESSION_WAITING;
@@ -143,6 +148,7 @@ class Session {
   std::uint64_t former_start_ = 0;  // the loop's start before the scene was made whole
   bool start_is_held_ = false;
   int listeners_ = 0, listeners_told_ = 0;
+  std::uint32_t voids_ = 0;    // of the loop, as dealt with
   bool whole_wanted_ = false;  // whether the loop still has to make the scene whole
   LoopSnapshot snapshot_;
   std::uint64_t wholes_ = 0;

@@ -36,6 +36,11 @@ SessionTable::SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools,
     const auto solids = tool->model.solids();
     if (!solids.empty()) scenes_.try_emplace(tool->scene, tool->scene, solids, server_run_);
   }
+  std::map<std::string, std::vector<const HapticModel*>> meet;
+  for (const auto& tool : tools_) {
+    if (tool->hands_meet) meet[tool->scene].push_back(&tool->model);
+  }
+  for (auto& [scene, models] : meet) worlds_[scene] = std::make_shared<World>(std::move(models));
 }
 
 void SessionTable::Request(const wire::SessionRequest& request, std::int64_t now_ns) {
@@ -246,6 +251,17 @@ CutExchange::Changed SessionTable::TakerOf(SceneChanges& scene, std::int64_t now
   };
 }
 
+std::unique_ptr<ServoLoop> SessionTable::LoopOf(const ServedTool& tool) const {
+  const auto world = worlds_.find(tool.scene);
+  if (world == worlds_.end()) return nullptr;
+  std::size_t number = 0;
+  for (const auto& other : tools_) {
+    if (other.get() == &tool) break;
+    if (other->scene == tool.scene) ++number;
+  }
+  return std::make_unique<ServoLoop>(world->second, number);
+}
+
 void SessionTable::Begin(Session& session) {
   if (CutExchange* const cuts = CutsOf(session)) cuts->Begin(session);
 }
@@ -424,8 +440,9 @@ void SessionTable::Admit(const wire::SessionRequest& request, std::int64_t now_n
   }
   const SessionClient client{ToSeal(request), std::string(request.device) == kMouse,
                              request.keeps_scene};
-  const auto session =
-      std::make_shared<Session>(request.station, request.run, std::move(tool), now_ns, client);
+  std::unique_ptr<ServoLoop> loop = LoopOf(*tool);
+  const auto session = std::make_shared<Session>(request.station, request.run, std::move(tool),
+                                                 now_ns, client, std::move(loop));
   if (const auto scene = scenes_.find(session->tool().scene); scene != scenes_.end()) {
     // A session that works there already would find its work undone.
     const bool alone = std::ranges::none_of(

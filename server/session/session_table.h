@@ -42,6 +42,7 @@ class SessionTable {
   static constexpr std::int64_t kHeldAwaited_ns = 5'000'000'000;
   static constexpr std::size_t kMostNames = 1024;  ///< about which teachers have decided
 
+  /// Throws Error if hands shall meet that cannot.
   /// @param admit_by_hand  stations wait until somebody admits them (Operate)
   SessionTable(std::vector<std::shared_ptr<const ServedTool>> tools, std::uint64_t server_run,
                bool admit_by_hand = false);
@@ -124,6 +125,8 @@ class SessionTable {
   std::vector<Session*> SessionsOf(const std::string& scene);
   /// Null if nothing can be cut.
   CutExchange* CutsOf(const Session& session);
+  /// Returns the loop of a tool whose hand meets others; null for any other tool.
+  std::unique_ptr<ServoLoop> LoopOf(const ServedTool& tool) const;
   static CutExchange::Changed TakerOf(SceneChanges& scene, std::int64_t now_ns);
 
   std::vector<std::shared_ptr<const ServedTool>> tools_;
@@ -138,8 +141,9 @@ class SessionTable {
   TokenBucket refusals_{kRefusalsPerSecond, kRefusalsAtOnce};
   std::uint64_t untold_ = 0;
   std::vector<wire::SessionState> changes_;
-  std::map<std::string, std::string> cut_off_;  // by scene: whose session was cut off
-  std::map<std::string, SceneChanges> scenes_;  // by name; those that burs can cut
+  std::map<std::string, std::string> cut_off_;            // by scene: whose session was cut off
+  std::map<std::string, SceneChanges> scenes_;            // by name; those that burs can cut
+  std::map<std::string, std::shared_ptr<World>> worlds_;  // by scene, in which hands meet
   // Sessions that have ended but may still answer poses; only in scenes with solids.
   std::vector<std::shared_ptr<Session>> ending_;
   std::vector<wire::LoopWhole> loop_wholes_;

@@ -1,8 +1,10 @@
 // A scene that only the server has: stations and mice learn about it from the server.
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -73,8 +75,9 @@ struct OwnScene : testing::Test {
     ASSERT_TRUE(server->Says("ready: ", 60.0) && server->Says("\n")) << server->Output();
     fs::remove_all(folder);
   }
-  std::unique_ptr<Program> Station(std::vector<std::string> words) {
-    words.insert(words.end(), {"--id", "hand", "--no-table"});
+  std::unique_ptr<Program> Station(std::vector<std::string> words,
+                                   const std::string& name = "hand") {
+    words.insert(words.end(), {"--id", name, "--no-table"});
     return std::make_unique<Program>(PALPATE_BIN_DIR "/palpate-station", Here(std::move(words)));
   }
   /// What a station felt, read from its --json file once it has ended.
@@ -178,6 +181,61 @@ TEST_F(OwnScene, MovesByItselfAndIsRecordedWhereItIs) {
   }
   EXPECT_NEAR(highest, 0.010, 1e-9);
   EXPECT_NEAR(force, 4.0, 0.01);
+  Program replay(PALPATE_BIN_DIR "/palpate-replay", {file.string(), "--verify"});
+  EXPECT_EQ(replay.Exit(60.0), 0) << replay.Output();
+  EXPECT_THAT(replay.Output(), HasSubstr("verified, bit for bit"));
+  fs::remove(file);
+}
+
+// Two hands press a box each against the other's; then one is killed.
+TEST_F(OwnScene, LetsTwoHandsFeelEachOtherAndSurviveEachOther) {
+  Write("pair.json", R"({
+  "tools": [{"name": "left", "mesh": {"shape": "box", "size_m": [0.02, 0.02, 0.02]}, "leaves": 64,
+             "start": {"position_mm": [-20, 20, 0]}},
+            {"name": "right", "mesh": {"shape": "box", "size_m": [0.02, 0.02, 0.02]}, "leaves": 64,
+             "start": {"position_mm": [20, 20, 0]}}],
+  "objects": [{"name": "floor", "mesh": {"shape": "box", "size_m": [0.1, 0.02, 0.1]},
+               "pose": {"position_mm": [0, -30, 0]}}],
+  "hands_meet": true})");
+  Write("pair.left.path.json", R"({"keys": [{"t": 0, "position_mm": [-20, 20, 0]},
+        {"t": 1, "position_mm": [-8, 20, 0]}, {"t": 20, "position_mm": [-8, 20, 0]}]})");
+  Write("pair.right.path.json", R"({"keys": [{"t": 0, "position_mm": [20, 20, 0]},
+        {"t": 1, "position_mm": [9, 20, 0]}, {"t": 20, "position_mm": [9, 20, 0]}]})");
+  Serve({"--scene", (folder / "pair.json").string()});
+  const fs::path file = fs::path(json).replace_extension(".mcap");
+  Program recorder(PALPATE_BIN_DIR "/palpate-record", {"-o", file.string(), "--transport", "udp",
+                                                       "--domain", std::to_string(kDomain)});
+  ASSERT_TRUE(recorder.Says("recording")) << recorder.Output();
+  const auto hand = [&](const char* tool, const char* seconds) {
+    return Station({"--device", "scripted", "--scene", "pair", "--tool", tool, "--for", seconds,
+                    "--await-recorder"},
+                   tool);
+  };
+  const auto left = hand("left", "7"), right = hand("right", "60");
+  ASSERT_TRUE(server->Says("station left: active") && server->Says("station right: active"))
+      << server->Output();
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  right->Signal(SIGKILL);
+  EXPECT_EQ(left->Exit(30.0), 0) << left->Output();
+  recorder.Signal(SIGINT);
+  EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
+
+  double most = 0.0, last = -1.0, jump = 0.0;
+  RecordingReader reader({file.string()});
+  std::uint32_t both = 0;
+  for (RecordedSample sample{}; reader.Next(sample);) {
+    wire::Wrench wrench{};
+    if (!sample.To(wrench) || sample.topic->find("left") == std::string::npos) continue;
+    const double force = -wrench.force_N[0];
+    if (last >= 0.0) jump = std::max(jump, std::abs(force - last));
+    last = force;
+    most = std::max(most, force);
+    both |= wrench.hands;
+  }
+  EXPECT_EQ(both, 3u);
+  EXPECT_NEAR(most, 1.5, 0.02) << "3 mm into each other, by two springs of 1 N/mm";
+  EXPECT_EQ(last, 0.0) << "the other let go";
+  EXPECT_LT(jump, 0.2) << "without a step";
   Program replay(PALPATE_BIN_DIR "/palpate-replay", {file.string(), "--verify"});
   EXPECT_EQ(replay.Exit(60.0), 0) << replay.Output();
   EXPECT_THAT(replay.Output(), HasSubstr("verified, bit for bit"));

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"
+#include "server/session/world.h"
 #include "tests/common/recording/samples.h"
 
 namespace palpate::test {
@@ -22,21 +24,25 @@ namespace {
 
 constexpr std::size_t kPoses = 400;  // 200 until the force is full, and 200
 constexpr std::uint64_t kRun = 1;
-constexpr const char* kStation = "golden";
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr std::int64_t kBegan_ns = 1'700'000'000'000'000'000;  // equal inputs, equal files
 
+/// The hands of a recording: of the scene's first tool or, where hands meet, of all tools.
 class Golden {
  public:
   Golden(const std::string& scene, const std::string& folder)
-      : scene_(LoadScene(scene)),
-        model_(MakeModel(scene_, scene_.tools.front(), MakeObjects(scene_))),
-        script_(PoseScript::Load(
-            std::filesystem::path(FindSceneFile(scene)).replace_extension(".path.json").string())),
-        file_(folder + "/" + scene + ".mcap") {}
+      : scene_(LoadScene(scene)), file_(folder + "/" + scene + ".mcap") {
+    const auto objects = MakeObjects(scene_);
+    for (const Body& tool : scene_.tools) {
+      if (!scene_.hands_meet && !models_.empty()) break;
+      models_.push_back(std::make_unique<HapticModel>(MakeModel(scene_, tool, objects)));
+      scripts_.push_back(PoseScript::Load(ScriptFileBeside(scene, tool.name)));
+    }
+  }
 
   void Make() {
-    const std::size_t begin = BusiestMoment();
+    const std::size_t begin =
+        scene_.moved.empty() && !scene_.hands_meet ? BusiestMoment() : BusiestStart();
     RecordingOptions options;
     options.file = file_;
     options.bundles = false;
@@ -50,52 +56,70 @@ class Golden {
                     kBegan_ns + static_cast<std::int64_t>(i) * kTick_ns, cdr);
     };
     AddScene(add);
-
-    ServoLoop loop(model_);
-    StepWorkspace workspace(model_);
-    Pose X_WG;
     std::size_t contacts = 0;
-    for (std::size_t i = 0; i < kPoses; ++i) {
-      const wire::HapticPose pose = At(begin, i);
-      // As in a session: the first pose is only looked at, the second begins the forces.
-      if (i == 1) {
-        X_WG = ResolveStart(model_, wire::ToPose(pose), workspace).X_WG;
-        loop.Start(X_WG);
-      }
-      wire::Wrench wrench{};
-      loop.OnPose(pose, wrench);
+    Run(begin, [&](std::size_t hand, std::size_t i, const wire::HapticPose& pose,
+                   wire::Wrench& wrench, const ServoLoop& loop, const Pose& X_WG) {
       wrench.step_time_s = 0.0;  // which a clock measured
       contacts += wrench.contacts > 0;
-      add(dds::PoseTopic(kStation, kRun), pose, i);
-      add(dds::WrenchTopic(kStation, kRun), wrench, i);
-      if (i == 1) AddState(add, loop.start_sequence(), X_WG);
-    }
+      add(dds::PoseTopic(StationOf(hand), kRun), pose, i);
+      add(dds::WrenchTopic(StationOf(hand), kRun), wrench, i);
+      if (i == 1) AddState(add, hand, loop.start_sequence(), X_WG);
+    });
     recording.Close("golden");
     std::printf("%s: %zu poses from %.3f s of its script, %zu in contact, %zu kB\n",
-                scene_.name.c_str(), kPoses, 1e-3 * static_cast<double>(begin), contacts,
-                std::filesystem::file_size(file_) / 1000);
+                scene_.name.c_str(), kPoses * models_.size(), 1e-3 * static_cast<double>(begin),
+                contacts, std::filesystem::file_size(file_) / 1000);
   }
 
  private:
-  wire::HapticPose At(std::size_t begin, std::size_t i) const {
+  static std::string StationOf(std::size_t hand) {
+    return hand == 0 ? "golden" : "golden_" + std::to_string(hand + 1);
+  }
+  wire::HapticPose At(std::size_t hand, std::size_t begin, std::size_t i) const {
     wire::HapticPose pose{};
     pose.pose_sequence = i + 1;
     pose.sample_time_ns = static_cast<std::int64_t>(i + 1) * kTick_ns;
-    wire::FromPose(script_.At(1e-3 * static_cast<double>(begin + i)), pose.position_m,
+    wire::FromPose(scripts_[hand].At(1e-3 * static_cast<double>(begin + i)), pose.position_m,
                    pose.orientation_wxyz);
     return pose;
   }
 
+  /// Calls use(hand, i, pose, wrench, loop, start) for each pose of new loops, the hands in turn.
+  template <class Use>
+  void Run(std::size_t begin, Use use) {
+    std::vector<const HapticModel*> models;
+    for (const auto& model : models_) models.push_back(model.get());
+    const auto world = std::make_shared<World>(models);
+    std::vector<std::unique_ptr<ServoLoop>> loops;
+    std::vector<Pose> X_WG(models_.size());
+    for (std::size_t hand = 0; hand < models_.size(); ++hand) {
+      loops.push_back(std::make_unique<ServoLoop>(world, hand));
+    }
+    for (std::size_t i = 0; i < kPoses; ++i) {
+      for (std::size_t hand = 0; hand < models_.size(); ++hand) {
+        const wire::HapticPose pose = At(hand, begin, i);
+        // As in a session: the first pose is only looked at, the second begins the forces.
+        if (i == 1) {
+          StepWorkspace workspace(*models_[hand]);
+          X_WG[hand] = ResolveStart(*models_[hand], wire::ToPose(pose), workspace).X_WG;
+          loops[hand]->Start(X_WG[hand]);
+        }
+        wire::Wrench wrench{};
+        loops[hand]->OnPose(pose, wrench);
+        use(hand, i, pose, wrench, *loops[hand], X_WG[hand]);
+      }
+    }
+  }
+
   /// The time in the script [ms] from which a golden recording has the most poses in contact.
   std::size_t BusiestMoment() {
-    if (!scene_.moved.empty()) return BusiestStart();
-    ServoLoop loop(model_);
+    ServoLoop loop(*models_.front());
     std::vector<int> touches;
-    const auto poses = static_cast<std::size_t>(1e3 * script_.duration());
-    loop.Start(script_.At(0.0));
+    const auto poses = static_cast<std::size_t>(1e3 * scripts_.front().duration());
+    loop.Start(scripts_.front().At(0.0));
     for (std::size_t i = 0; i < poses; ++i) {
       wire::Wrench wrench{};
-      loop.OnPose(At(0, i), wrench);
+      loop.OnPose(At(0, 0, i), wrench);
       touches.push_back(static_cast<int>(std::min<std::uint32_t>(wrench.contacts, 6)));
     }
     std::size_t best = 0;
@@ -110,21 +134,20 @@ class Golden {
     return best;
   }
 
-  /// Likewise where objects move, which they do from the recording's beginning.
+  /// Likewise where what comes depends on what was: objects move, or hands meet, which must all
+  /// have begun.
   std::size_t BusiestStart() {
     std::size_t best = 0;
     int most = -1;
-    StepWorkspace workspace(model_);
-    for (std::size_t begin = 0; 1e-3 * static_cast<double>(begin + kPoses) < script_.duration();
+    for (std::size_t begin = 0;
+         1e-3 * static_cast<double>(begin + kPoses) < scripts_.front().duration();
          begin += kPoses / 4) {
-      ServoLoop loop(model_);
-      loop.Start(ResolveStart(model_, wire::ToPose(At(begin, 0)), workspace).X_WG);
       int touches = 0;
-      for (std::size_t i = 0; i < kPoses; ++i) {
-        wire::Wrench wrench{};
-        loop.OnPose(At(begin, i), wrench);
+      Run(begin, [&](std::size_t, std::size_t i, const wire::HapticPose&, wire::Wrench& wrench,
+                     const ServoLoop& loop, const Pose&) {
         touches += wrench.contacts > 0 ? 1 : 0;
-      }
+        if (i > 1 && loop.start_sequence() == 0) touches = -static_cast<int>(kPoses * kPoses);
+      });
       if (touches > most) best = begin;
       most = std::max(most, touches);
     }
@@ -136,24 +159,25 @@ class Golden {
     add(dds::kSceneBundleTopic, SampleBundle(bytes, scene_.name, kRun), 0);
   }
 
-  void AddState(const auto& add, std::uint64_t start_sequence, const Pose& X_WG) {
+  void AddState(const auto& add, std::size_t hand, std::uint64_t start_sequence, const Pose& X_WG) {
+    const HapticModel& model = *models_[hand];
     wire::SessionState state{};
-    wire::FromText(kStation, state.station);
+    wire::FromText(StationOf(hand), state.station);
     state.run = state.server_run = kRun;
     state.phase = palpate_SESSION_ACTIVE;
     wire::FromText(scene_.name, state.scene);
-    wire::FromText(scene_.tools.front().name, state.tool);
-    wire::FromVec3(model_.reference(), state.tool_reference_m);
-    state.stiffness_N_per_m = model_.parameters().stiffness;
-    state.torsional_stiffness_Nm_per_rad = model_.parameters().torsional_stiffness;
+    wire::FromText(scene_.tools[hand].name, state.tool);
+    wire::FromVec3(model.reference(), state.tool_reference_m);
+    state.stiffness_N_per_m = model.parameters().stiffness;
+    state.torsional_stiffness_Nm_per_rad = model.parameters().torsional_stiffness;
     state.start_sequence = start_sequence;
     wire::FromPose(X_WG, state.start_position_m, state.start_orientation_wxyz);
     add(dds::kSessionStateTopic, state, 1);
   }
 
   const Scene scene_;
-  const HapticModel model_;
-  const PoseScript script_;
+  std::vector<std::unique_ptr<HapticModel>> models_;
+  std::vector<PoseScript> scripts_;
   const std::string file_;
 };
 

@@ -83,8 +83,8 @@ TEST(StationCore, CountsHowOftenTheDeviceFallsIntoAFault) {
 TEST(StationCore, RendersPassiveEffectsInFullAndOthersAsAGuide) {
   wire::Wrench sample{};
   sample.force_N[2] = 2.0 + 1.5 + 3.0;
-  sample.row[wire::kContactRows][2] = 1.5;
-  sample.row[wire::kContactRows + 1][2] = 3.0;
+  sample.passive_force_N[2] = 1.5;
+  sample.active_force_N[2] = 3.0;
   Bench bench;
   for (int i = 0; i < 800; ++i) {
     bench.now += kMs;
@@ -98,19 +98,11 @@ TEST(StationCore, RendersPassiveEffectsInFullAndOthersAsAGuide) {
   EXPECT_NEAR(bench.force(), 2.0 + 1.5 + 1.0, 1e-9);
 }
 
-TEST(StationCore, TakesRowsThatAreContactsForNoEffects) {
+TEST(StationCore, HasNothingLeftOfEffectsWithoutContact) {
   wire::Wrench sample{};
-  sample.rows = 6;
-  sample.row[5][2] = 1.0;
-  sample.force_N[2] = 2.0;
-  const Reply reply = ToReply(sample, 0);
-  EXPECT_EQ(reply.wrench.force.z(), 2.0);
-  EXPECT_TRUE(reply.active.force.isZero(0.0));
-  // Without contact nothing is left, to the last bit: the tool is free.
-  sample.rows = 0;
   for (double number = 0.1; number < 3.0; number += 0.1) {
-    sample.row[4][0] = number;
-    sample.row[5][0] = 1.0 / number;
+    sample.passive_force_N[0] = number;
+    sample.active_force_N[0] = 1.0 / number;
     sample.force_N[0] = 0.0 + (number + 1.0 / number);
     ASSERT_EQ(ToReply(sample, 0).wrench.force.x(), 0.0);
   }

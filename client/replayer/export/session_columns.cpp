@@ -81,8 +81,14 @@ void SessionColumns::Write(const Waiting& answer, double pose_s) {
   t.Add("answer", std::uint32_t{w.answer});
   t.Add("age_s", answer.time_s - pose_s);
   t.Add("step_time_s", w.step_time_s);
+  t.Add("step", std::uint64_t{w.step});
+  t.Add("hands", std::uint32_t{w.hands});
   t.AddVector("force", "N", w.force_N);
   t.AddVector("torque", "Nm", w.torque_Nm);
+  t.AddVector("passive_force", "N", w.passive_force_N);
+  t.AddVector("passive_torque", "Nm", w.passive_torque_Nm);
+  t.AddVector("active_force", "N", w.active_force_N);
+  t.AddVector("active_torque", "Nm", w.active_torque_Nm);
   t.AddPose("tool", w.graphic_position_m, w.graphic_orientation_wxyz);
   t.Add("contacts", std::uint32_t{w.contacts});
   t.Add("rows", std::uint32_t{w.rows});

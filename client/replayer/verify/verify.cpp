@@ -31,12 +31,16 @@
 #include "scenes/files/scene_bundle.h"
 #include "server/physics/scene_model.h"
 #include "server/session/servo_loop.h"
+#include "server/session/world.h"
 
 namespace palpate {
 namespace {
 
 /// A wrench may precede its pose in the recording, by at most a burst of samples.
 constexpr std::size_t kMostAhead = 1000;
+/// Most answers of a hand that were under way to the recorder when it ended, without those of the
+/// others between them.
+constexpr std::size_t kMostUnder = 100;
 /// Samples between two checks for Ctrl-C.
 constexpr std::uint64_t kLook = 4096;
 /// Sessions at the same time; a server has 32, and a recording may be of several servers.
@@ -62,13 +66,20 @@ constexpr Field kFields[] = {
     PALPATE_FIELD(row, 36, 6, kDouble),
     PALPATE_FIELD(row_offset_m, 6, 0, kDouble),
     PALPATE_FIELD(row_force_N, 6, 0, kDouble),
+    PALPATE_FIELD(passive_force_N, 3, 0, kDouble),
+    PALPATE_FIELD(passive_torque_Nm, 3, 0, kDouble),
+    PALPATE_FIELD(active_force_N, 3, 0, kDouble),
+    PALPATE_FIELD(active_torque_Nm, 3, 0, kDouble),
     PALPATE_FIELD(region_m, 1, 0, kDouble),
     PALPATE_FIELD(region_rad, 1, 0, kDouble),
     PALPATE_FIELD(valid_s, 1, 0, kDouble),
+    PALPATE_FIELD(step, 1, 0, kUint64),
+    PALPATE_FIELD(hands, 1, 0, kUint32),
     PALPATE_FIELD(rows, 1, 0, kUint32),
     PALPATE_FIELD(contacts, 1, 0, kUint32),
     PALPATE_FIELD(faults, 1, 0, kUint32),
     PALPATE_FIELD(answer, 1, 0, kUint32),
+    PALPATE_FIELD(pad, 1, 0, kUint32),
 };
 #undef PALPATE_FIELD
 
@@ -129,6 +140,19 @@ class Scenes {
   std::shared_ptr<const Scene> SceneOf(const std::string& name) { return Load(name).scene; }
   std::shared_ptr<const SceneObjects> ObjectsOf(const std::string& name) {
     return Load(name).objects;
+  }
+  /// Returns a new world of the scene's tools; null if hands do not meet there.
+  std::shared_ptr<World> MakeWorld(const std::string& scene_name) {
+    const Scene& scene = *Load(scene_name).scene;
+    if (!scene.hands_meet) return nullptr;
+    std::vector<const HapticModel*> models;
+    for (const Body& tool : scene.tools) models.push_back(&ModelOf(scene_name, tool.name));
+    return std::make_shared<World>(std::move(models));
+  }
+  std::size_t NumberOf(const std::string& scene_name, const std::string& tool_name) {
+    const auto& tools = Load(scene_name).scene->tools;
+    return static_cast<std::size_t>(std::ranges::find(tools, tool_name, &Body::name) -
+                                    tools.begin());
   }
   const HapticModel& ModelOf(const std::string& scene_name, const std::string& tool_name) {
     Loaded& loaded = Load(scene_name);
@@ -219,8 +243,15 @@ struct SessionFacts {
 /// One session's loop, fed in the original order.
 class SessionReplay : public CutSession {
  public:
-  SessionReplay(const SessionFacts& facts, const HapticModel& model, std::int64_t began_ns)
-      : facts_(facts), model_(model), loop_(model), side_(facts.cuts), began_ns_(began_ns) {
+  /// @param world  in which the tool meets others, and its number there; null: it is alone
+  SessionReplay(const SessionFacts& facts, const HapticModel& model, std::int64_t began_ns,
+                std::shared_ptr<World> world, std::size_t number)
+      : facts_(facts),
+        model_(model),
+        world_(world ? world : std::make_shared<World>(std::vector{&model})),
+        loop_(world_, world ? number : 0),
+        side_(facts.cuts),
+        began_ns_(began_ns) {
     verdict_.station = facts.station;
     verdict_.scene = facts.scene;
     verdict_.tool = facts.tool;
@@ -243,6 +274,18 @@ class SessionReplay : public CutSession {
   std::span<const CutSolid> solids() const override { return model_.solids(); }
   bool is_done() const override { return !verdict_.ends.empty() || (closed_ && is_computed_); }
   std::uint64_t last_pose() const override { return last_pose_; }
+  /// Returns whether it waits for steps of other hands.  If they never come, call EndWaiting.
+  bool waits_for_others() const { return waits_for_others_; }
+  /// @param cut_off  the recording may have ended before those steps
+  void EndWaiting(bool cut_off) {
+    if (cut_off && waiting_.size() <= kMostUnder) {
+      ForgetAfter(last_pose_);
+    } else {
+      Stop(fmt::format("step {} of the scene's hands, another's, is not in the recording",
+                       world_->steps() + 1));
+    }
+    Advance();
+  }
   const std::string& station() const override { return facts_.station; }
 
   void Add(const wire::HapticPose& pose) {
@@ -342,6 +385,14 @@ class SessionReplay : public CutSession {
     const auto end = poses_.find(wrench.pose_sequence);
     const std::uint32_t unseen = wrench.answer - taken_ - 1;
     const auto between = static_cast<std::uint64_t>(std::distance(poses_.begin(), end));
+    // All the steps before this one must have been made, but for those of this session itself.
+    waits_for_others_ = world_->is_shared() && wrench.step > world_->steps() + unseen + 1;
+    if (waits_for_others_) return false;
+    if (world_->is_shared() && wrench.step <= world_->steps() + unseen) {
+      Stop(fmt::format("pose {} was step {} of the scene's hands, which have made {}",
+                       wrench.pose_sequence, wrench.step, world_->steps()));
+      return true;
+    }
     if (unseen != 0 && unseen == between) {
       // The recording lacks their answers, but the loop received every one of these poses.
       while (poses_.begin() != end) {
@@ -415,9 +466,10 @@ class SessionReplay : public CutSession {
 
   const SessionFacts& facts_;
   const HapticModel& model_;
+  const std::shared_ptr<World> world_;
   ServoLoop loop_;
   CutSide side_;
-  bool closed_ = false, is_computed_ = false;
+  bool closed_ = false, is_computed_ = false, waits_for_others_ = false;
   bool has_force_ = false;  // in the last recorded answer
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
@@ -434,9 +486,11 @@ using SceneRun = std::pair<std::string, std::uint64_t>;
 
 /// The first pass: collects the sessions and the scenes.
 /// @param last_samples  receives the number of the last sample of each loop topic.
+/// @param empty_worlds  likewise the first step of each wrench topic after which no tool was there.
 std::vector<std::unique_ptr<SessionFacts>> Gather(
     RecordingReader& reader, Scenes& scenes, std::int64_t& began_ns,
-    std::map<std::string, std::uint64_t>& last_samples, std::map<SceneRun, CutLogFacts>& logs) {
+    std::map<std::string, std::uint64_t>& last_samples,
+    std::map<std::string, std::uint64_t>& empty_worlds, std::map<SceneRun, CutLogFacts>& logs) {
   std::vector<std::unique_ptr<SessionFacts>> sessions;
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> place;  // by station and run
   const auto facts_of = [&](const std::string& station, std::uint64_t run) -> SessionFacts& {
@@ -453,6 +507,10 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
     if (began_ns == 0) began_ns = sample.log_time_ns;
     if (sample.type == RecordedType::kHapticPose || sample.type == RecordedType::kWrench) {
       last_samples[*sample.topic] = number;
+      wire::Wrench wrench;
+      if (sample.To(wrench) && wrench.hands == 0) {
+        empty_worlds.try_emplace(*sample.topic, wrench.step);
+      }
       continue;
     }
     wire::SessionState state{};
@@ -512,7 +570,8 @@ class Verifier {
         options_(options),
         reader_(files),
         scenes_(options, std::filesystem::path(file_).parent_path()) {
-    sessions_ = Gather(reader_, scenes_, began_ns_, last_samples_, logs_);
+    std::map<std::string, std::uint64_t> empty_worlds;
+    sessions_ = Gather(reader_, scenes_, began_ns_, last_samples_, empty_worlds, logs_);
     for (const auto& facts : sessions_) {
       if (facts->scene.empty()) continue;  // its states are in another split
       const std::string poses = dds::PoseTopic(facts->station, facts->run);
@@ -522,6 +581,11 @@ class Verifier {
       by_scene_[session.scene].push_back(&session);
       for (const std::string& topic : {poses, dds::WrenchTopic(facts->station, facts->run)}) {
         by_topic_[topic] = &session;
+        if (const auto empty = empty_worlds.find(topic); empty != empty_worlds.end()) {
+          std::uint64_t& first =
+              first_steps_.try_emplace(session.scene, empty->second).first->second;
+          first = std::min(first, empty->second);
+        }
         const auto last = last_samples_.find(topic);
         if (last == last_samples_.end()) continue;
         session.last_sample = std::max(session.last_sample, last->second);
@@ -597,7 +661,9 @@ class Verifier {
     }
     const SessionFacts& facts = *session.facts;
     const HapticModel& model = scenes_.ModelOf(facts.scene, facts.tool);
-    session.replay = std::make_unique<SessionReplay>(facts, model, began_ns_);
+    std::shared_ptr<World> world = WorldOf(session.scene);
+    session.replay = std::make_unique<SessionReplay>(facts, model, began_ns_, std::move(world),
+                                                     scenes_.NumberOf(facts.scene, facts.tool));
     const bool is_left_out =
         facts.cuts.session == 0 && logs_.contains(session.scene) && !model.solids().empty();
     if (is_left_out || unknown_.contains(session.scene)) session.replay->BeginUnknown();
@@ -606,6 +672,18 @@ class Verifier {
           {scenes_.SceneOf(facts.scene), scenes_.ObjectsOf(facts.scene), {}, {}});
     }
     return *session.replay;
+  }
+
+  /// Returns the world of a scene in which hands meet, from where the recording has it all; else
+  /// null.
+  std::shared_ptr<World> WorldOf(const SceneRun& scene) {
+    const auto [world, is_new] = worlds_.try_emplace(scene);
+    if (!is_new) return world->second;
+    world->second = scenes_.MakeWorld(scene.first);
+    if (const auto first = first_steps_.find(scene); world->second && first != first_steps_.end()) {
+      world->second->BeginAt(first->second - 1);
+    }
+    return world->second;
   }
 
   /// Returns a session by its number in the cut log; null if it is not recorded.
@@ -660,6 +738,7 @@ class Verifier {
   void Settle(const SceneRun& scene) {
     const auto exchange = cuts_.find(scene);
     const std::vector<Replayed*>& of = by_scene_[scene];
+    AdvanceTogether(of);
     while (exchange != cuts_.end() && exchange->second.Advance()) {
       for (const Replayed* session : of) {
         if (session->replay) session->replay->Advance();
@@ -672,6 +751,19 @@ class Verifier {
       if (number != 0 && !exchange->second.IsOver(number)) continue;
       session->replay.reset();
       --open_;
+    }
+  }
+
+  /// Lets the hands of a world make their steps in turn, as far as they can.
+  static void AdvanceTogether(const std::vector<Replayed*>& of) {
+    for (bool any = true; any;) {
+      any = false;
+      for (const Replayed* session : of) {
+        if (!session->replay || !session->replay->waits_for_others()) continue;
+        const std::uint64_t before = session->replay->last_pose();
+        session->replay->Advance();
+        any |= session->replay->last_pose() != before;
+      }
     }
   }
 
@@ -706,9 +798,13 @@ class Verifier {
       if (const auto exchange = cuts_.find(scene); exchange != cuts_.end()) {
         exchange->second.GiveUp();
       }
+      // A session whose end is not recorded may have made the missing steps after the last ones.
+      const bool cut_off =
+          std::ranges::any_of(of, [](const Replayed* s) { return !s->facts->has_ended; });
       for (Replayed* const session : of) {
         if (!session->replay || session->verdict) continue;
         session->replay->Advance();
+        if (session->replay->waits_for_others()) session->replay->EndWaiting(cut_off);
         TakeVerdict(*session);
       }
     }
@@ -741,6 +837,8 @@ class Verifier {
   std::map<std::string, Replayed*> by_topic_;  // both topics of a session
   std::map<SceneRun, std::vector<Replayed*>> by_scene_;
   std::map<SceneRun, CutReplay> cuts_;
+  std::map<SceneRun, std::uint64_t> first_steps_;  // at which no tool was there
+  std::map<SceneRun, std::shared_ptr<World>> worlds_;
   std::set<std::uint64_t> restored_;                // requests that Verification::restorations has
   std::set<SceneRun> unknown_;                      // solids cut by an unrecorded session
   std::map<SceneRun, std::uint64_t> undone_;        // the last undone change

@@ -186,10 +186,8 @@ struct StepContext {
     if (frame == 0 || buffers_.tool_of_frame[frame] >= 0) return nullptr;
     return &buffers_.meshes->of[frame].moved;
   }
-  /// Returns the number of the tool that a frame is; negative: it is none.
-  std::int32_t ToolOf(const MeshContact& contact) const {
-    return buffers_.tool_of_frame[static_cast<std::size_t>(contact.meshes.frame)];
-  }
+  /// Returns the place in the party of the tool that a frame is; negative: it is none, or away.
+  std::int32_t ToolOf(const MeshContact& contact) const;
   /// Returns whether bodies move in this sub-step, other tools apart.
   bool BodiesMove() const {
     const auto moves = [](const MeshContact& contact) {
@@ -257,6 +255,12 @@ struct Together {
   explicit Together(int most_rows) : columns(25, static_cast<std::size_t>(most_rows + 16)) {}
   AlignedColumns columns;
   int rows = 0;
+  std::array<std::int32_t, kMostTools> place;  ///< in the party, by a tool's number; negative: away
 };
+
+inline std::int32_t StepContext::ToolOf(const MeshContact& contact) const {
+  const std::int32_t tool = buffers_.tool_of_frame[static_cast<std::size_t>(contact.meshes.frame)];
+  return tool < 0 || together == nullptr ? -1 : together->place[static_cast<std::size_t>(tool)];
+}
 
 }  // namespace palpate

@@ -159,17 +159,20 @@ std::size_t CountFrames(std::span<const ContactBody> bodies) {
   return static_cast<std::size_t>(most) + 1;
 }
 
+bool Holds(const ContactShape& shape, const Vec3& p_S) {
+  const ContactMesh& mesh = shape.mesh;
+  const HullTree& tree = shape.tree;
+  if ((p_S - tree.Centre(tree.root())).norm() > tree.Radius(tree.root())) return false;
+  double angle = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
+    angle += SolidAngle(mesh.Corner(t, 0) - p_S, mesh.Corner(t, 1) - p_S, mesh.Corner(t, 2) - p_S);
+  }
+  return angle > 2.0 * M_PI;
+}
+
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_B) {
   return std::ranges::any_of(bodies, [&](const ContactBody& body) {
-    const ContactMesh& mesh = body.shape->mesh;
-    const HullTree& tree = body.shape->tree;
-    const Vec3 p = body.X_BS.Inverse() * p_B;
-    if ((p - tree.Centre(tree.root())).norm() > tree.Radius(tree.root())) return false;
-    double angle = 0.0;
-    for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
-      angle += SolidAngle(mesh.Corner(t, 0) - p, mesh.Corner(t, 1) - p, mesh.Corner(t, 2) - p);
-    }
-    return angle > 2.0 * M_PI;
+    return body.tool < 0 && Holds(*body.shape, body.X_BS.Inverse() * p_B);
   });
 }
 

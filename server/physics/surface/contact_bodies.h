@@ -89,9 +89,11 @@ std::size_t CountFrames(std::span<const ContactBody> bodies);
 /// mesh.
 std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects);
 
-/// Returns whether a point of frame B, which lies on no surface, is inside a body: the winding
-/// number of the body's mesh there exceeds one half, which also decides for an open mesh.  Not
-/// real-time.
+/// Returns whether a point of frame S, which lies on no surface, is inside a shape: the winding
+/// number of its mesh there exceeds one half, which also decides for an open mesh.
+bool Holds(const ContactShape& shape, const Vec3& p_S);
+
+/// Returns whether a point of frame B is so inside a body that is no tool.  Not real-time.
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_B);
 
 /// Makes the body of a tool about its reference point: its mesh or, if the tool is a single ball,

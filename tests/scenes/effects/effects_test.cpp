@@ -109,9 +109,9 @@ TEST_F(EffectsTest, ShippedOnesActByTheirParameters) {
     }
     ASSERT_LE(std::abs(shakes.force_N[2]), 0.3 + 1e-12);
     // In rows after the contacts', one for passive and one for active effects.
-    ASSERT_NEAR(pushes.row[wire::kContactRows][1], 2.0, 1e-9);
-    ASSERT_NEAR(draws.row[wire::kContactRows + 1][1], 2.0, 1e-9);
-    ASSERT_EQ(draws.row[wire::kContactRows][1], 0.0);
+    ASSERT_NEAR(pushes.passive_force_N[1], 2.0, 1e-9);
+    ASSERT_NEAR(draws.active_force_N[1], 2.0, 1e-9);
+    ASSERT_EQ(draws.passive_force_N[1], 0.0);
   }
 }
 
@@ -132,8 +132,11 @@ TEST_F(EffectsTest, StandInTheRowOfWhatTheyPromiseAndRampInAndFadeWithTheForce) 
     const double passive[6] = {0.0, -5.0 * 0.02, 0.0, 0.0, 0.0, -0.02 * kTurn_rad_s};
     const double active[6] = {100.0 * 0.01 * share, -100.0 * 2e-5 * i, 0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < 6; ++k) {
-      ASSERT_NEAR(answer.row[wire::kContactRows][k], gain * passive[k], 1e-8) << k;
-      ASSERT_NEAR(answer.row[wire::kContactRows + 1][k], gain * active[k], 1e-12) << k;
+      const auto part = [k](const auto& force, const auto& torque) {
+        return k < 3 ? force[k] : torque[k - 3];
+      };
+      ASSERT_NEAR(part(answer.passive_force_N, answer.passive_torque_Nm), gain * passive[k], 1e-8);
+      ASSERT_NEAR(part(answer.active_force_N, answer.active_torque_Nm), gain * active[k], 1e-12);
       const double sum = k < 3 ? answer.force_N[k] : answer.torque_Nm[k - 3];
       ASSERT_NEAR(sum, gain * (passive[k] + active[k]), 1e-8) << k;
     }
@@ -221,8 +224,7 @@ TEST_F(EffectsTest, LeaveContactAsItIsAndItsRowsToTheStation) {
     const Vec3 p(1e-5 * i, 0.029, 0.0);
     const wire::Wrench own = without.At(p), answer = with.At(p);
     for (int k = 0; k < 3; ++k) {
-      const double given =
-          answer.row[wire::kContactRows][k] + answer.row[wire::kContactRows + 1][k];
+      const double given = answer.passive_force_N[k] + answer.active_force_N[k];
       ASSERT_NEAR(answer.force_N[k] - given, own.force_N[k], 1e-12);
       ASSERT_EQ(answer.graphic_position_m[k], own.graphic_position_m[k]);
     }

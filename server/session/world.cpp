@@ -1,0 +1,102 @@
+#include "server/session/world.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/physics/start_pose.h"
+
+namespace palpate {
+
+PriorityMutex::PriorityMutex() {
+  pthread_mutexattr_t attributes;
+  pthread_mutexattr_init(&attributes);
+  pthread_mutexattr_setprotocol(&attributes, PTHREAD_PRIO_INHERIT);
+  pthread_mutex_init(&mutex_, &attributes);
+  pthread_mutexattr_destroy(&attributes);
+}
+
+World::World(std::vector<const HapticModel*> models) {
+  if (models.size() != 1) together_.emplace(models);
+  for (const HapticModel* model : models) {
+    ToolStep& step = steps_[tools_.size()];
+    Tool& tool = *tools_.emplace_back(std::make_unique<Tool>(*model));
+    step.model = model;
+    step.state = &tool.state;
+    step.workspace = &tool.workspace;
+    step.share = 0.0;
+  }
+}
+
+std::uint32_t World::there() const noexcept {
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < tools_.size(); ++i) bits |= (tools_[i]->hand != 0 ? 1u : 0u) << i;
+  return bits;
+}
+
+void World::Hear(std::size_t tool, std::uint32_t hand) noexcept {
+  ++step_count_;
+  for (std::size_t i = 0; i < tools_.size(); ++i) {
+    Tool& other = *tools_[i];
+    if (other.hand == 0 || other.hand == hand) continue;
+    if (++other.silent[tool] > kPatience) Fade(i);
+  }
+}
+
+bool World::MeetsOthers(std::size_t tool, const Pose& X_WG) noexcept {
+  for (std::size_t i = 0; i < tools_.size(); ++i) {
+    const Tool& other = *tools_[i];
+    if (i == tool || other.hand == 0) continue;
+    const std::size_t first = std::min(i, tool), second = std::max(i, tool);
+    const Pose& X_first = first == tool ? X_WG : other.state.X_WG;
+    const Pose& X_second = first == tool ? other.state.X_WG : X_WG;
+    if (Meet(*tools_[first]->model, X_first, static_cast<std::int32_t>(second), X_second,
+             tools_[first]->workspace)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool World::Place(std::size_t tool, std::uint32_t hand, const Pose& X_WG) noexcept {
+  Tool& placed = *tools_[tool];
+  if (is_shared()) {
+    if ((placed.hand != 0 && placed.hand != hand) || MeetsOthers(tool, X_WG)) return false;
+    LetGo(tool);
+    placed.state = placed.fresh;
+  }
+  placed.hand = hand;
+  placed.state.X_WG = X_WG;
+  placed.state.ForgetContact();
+  placed.silent.fill(0);
+  gain(tool) = 0.0;
+  return true;
+}
+
+void World::LetGo(std::size_t tool) noexcept {
+  tools_[tool]->hand = 0;
+  gain(tool) = 0.0;
+  for (std::size_t i = 0; i < tool; ++i) FrameOf(tool, i).Leave();
+}
+
+void World::Fade(std::size_t tool) noexcept {
+  gain(tool) = std::max(0.0, gain(tool) - kGainDown);
+  if (is_shared() && gain(tool) == 0.0) LetGo(tool);
+}
+
+const StepReport& World::Step(std::size_t tool, const Pose& X_WH) noexcept {
+  Tool& moved = *tools_[tool];
+  ToolStep& step = steps_[tool];
+  const double gain = step.share + kGainUp;
+  if (is_shared()) {
+    moved.silent.fill(0);
+    step.share = std::min(1.0, gain);
+    step.X_WH = X_WH;
+    StepTogether(std::span(steps_).first(tools_.size()), *together_);
+  } else {
+    step.report = HapticStep(*moved.model, X_WH, moved.state, moved.workspace);
+    step.share = gain < 1.0 ? gain : 1.0;
+  }
+  return step.report;
+}
+
+}  // namespace palpate
