@@ -18,7 +18,7 @@ enum class TreeOrigin : std::uint8_t {
   kBalanced,  //
   kCover,     //
   kOctree,    ///< of an older bundle: round the cells of an octree, which is no longer a mode
-  kFile,      ///< read from a .sph file
+  kFile,      ///< likewise: read from a file
   kBall,      ///< one leaf: exactly the ball that the mesh represents
 };
 

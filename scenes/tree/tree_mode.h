@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+/// The most leaves of one body.
+inline constexpr std::size_t kMaxLeaves = 1u << 20;
+
 /// How the leaves of a sphere tree represent the solid.
 enum class TreeMode : std::uint8_t {
   /// All leaves lie inside it.  Most touch the surface, at evenly spread points; some fill the

@@ -15,7 +15,7 @@
 namespace palpate::bench {
 
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
-                   std::optional<ContactModel> contact, const TreeSource& tree_file) {
+                   std::optional<ContactModel> contact) {
   if (std::optional<Scene> sharp = test::MakeSharpScene(scene)) {
     if (contact) sharp->features.contact = *contact;
     return *std::move(sharp);
@@ -23,7 +23,6 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir,
   LoadOptions options;
   options.contact = contact;
   options.models_dir = models_dir;
-  if (!tree_file.built()) options.tree_file = tree_file;
   options.progress = [text = ProgressText()](std::string_view stage, double fraction) mutable {
     Progress(text(stage, fraction));
   };

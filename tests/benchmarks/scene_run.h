@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "scenes/tree/tree_source.h"
 #include "server/physics/haptic_step.h"
 
 namespace palpate::bench {
@@ -39,10 +38,9 @@ class SceneRun {
 
 /// Loads a scene as LoadScene does, or makes one of test::kSharpScenes, and reports on stderr while
 /// something is built.
-/// @param contact    LoadOptions::contact.
-/// @param tree_file  LoadOptions::tree_file, if it names one.
+/// @param contact  LoadOptions::contact.
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
-                   std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
+                   std::optional<ContactModel> contact = {});
 
 /// Returns poses as CSV such that --poses of cycle reads back the same bits.
 std::string PosesCsv(const std::vector<Pose>& poses);

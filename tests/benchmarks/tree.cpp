@@ -9,15 +9,14 @@
 
 #include "common/error.h"
 #include "common/files/output.h"
-#include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
+#include "scenes/mesh/units.h"
 #include "scenes/progress_line.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "scenes/tree/tree_error.h"
 #include "scenes/tree/tree_error_table.h"
-#include "scenes/tree/tree_import.h"
 #include "tests/benchmarks/commands.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/machine.h"
@@ -34,12 +33,12 @@ struct Options {
   std::size_t samples = 100003;
   std::optional<int> steps;
   bool no_force = false;
-  TreeSource file;  ///< compared with the trees that are built; none if it names no file
+  std::string unit = "m";  ///< of the mesh
 };
 
 struct ModeResult {
   std::string mode;
-  std::optional<double> build_s;  ///< none for a tree from a file
+  double build_s;
   std::vector<BodyTreeError> bodies;
 };
 
@@ -115,11 +114,8 @@ struct Report {
 
   /// @param one_body  whether there is only one.   @returns the JSON of the mode.
   Json Add(const std::string& of, const ModeResult& result, bool one_body) {
-    text += result.build_s
-                ? fmt::format("{}, {}: built in {:.2f} s\n", of, result.mode, *result.build_s)
-                : fmt::format("{}, tree of {}\n", of, result.mode);
-    Json entry{{"mode", result.mode}};
-    if (result.build_s) entry["build_s"] = *result.build_s;
+    text += fmt::format("{}, {}: built in {:.2f} s\n", of, result.mode, result.build_s);
+    Json entry{{"mode", result.mode}, {"build_s", result.build_s}};
     for (const BodyTreeError& body : result.bodies) {
       text += ToText(body);
       csv += ToCsv(body, result.mode, csv.empty());
@@ -149,7 +145,7 @@ TriangleMesh LoadMesh(const Options& options) {
   for (const std::string& remark : MendMesh(mesh)) {
     std::fprintf(stderr, "note: %s\n", remark.c_str());
   }
-  PlaceMesh({.metres_per_unit = options.file.metres_per_unit.value_or(1.0),
+  PlaceMesh({.metres_per_unit = MetresPerUnit(options.unit),
              .origin = MeshPlacement::Origin::kFile},
             mesh);
   return mesh;
@@ -166,31 +162,21 @@ std::string LeavesAsText(const SphereTree& tree) {
 }
 
 void RunMesh(const Options& options, std::vector<std::string> modes) {
-  if (modes.empty() && options.leaves) modes = {std::string(kTreeModes[0])};
-  if (!options.leaves && (!modes.empty() || options.file.built())) {
-    throw UsageError("tree: --mesh needs --spheres N");
-  }
-  if (!options.file.built()) modes.push_back(options.file.file);
+  if (!options.leaves) throw UsageError("tree: --mesh needs --spheres N");
+  if (modes.empty()) modes = {std::string(kTreeModes[0])};
   if (modes.size() > 1 && !options.out.empty()) {
     throw UsageError("tree: --out takes the leaves of one tree; give one --mode");
   }
   const TriangleMesh mesh = LoadMesh(options);
   Report report;
   report.json = {{"mesh", options.mesh},
-                 {"metres_per_unit", options.file.metres_per_unit.value_or(1.0)},
+                 {"metres_per_unit", MetresPerUnit(options.unit)},
                  {"samples", options.samples},
                  {"machine", ToJson(ThisMachine())}};
   for (const std::string& name : modes) {
-    const bool of_file = name == options.file.file;
     const auto began = Clock::now();
-    const SphereTree tree = of_file
-                                ? ImportTree(options.file, mesh, 1.0).tree
-                                : Build(mesh, *options.leaves, TreeModeNamed(name), options.mesh);
-    ModeResult result;
-    result.mode = name;
-    if (!of_file) {
-      result.build_s = std::chrono::duration<double>(Clock::now() - began).count();
-    }
+    const SphereTree tree = Build(mesh, *options.leaves, TreeModeNamed(name), options.mesh);
+    ModeResult result{name, std::chrono::duration<double>(Clock::now() - began).count(), {}};
     Progress("measuring ...");
     result.bodies.push_back({options.mesh, MeasureLevels(mesh, tree, options.samples)});
     Progress("");
@@ -208,7 +194,6 @@ void RunMesh(const Options& options, std::vector<std::string> modes) {
 void RunScene(const Options& options, std::vector<std::string> modes) {
   if (!options.out.empty()) throw UsageError("tree: --out is for the leaves of a --mesh");
   if (modes.empty()) modes = {kTreeModes.begin(), kTreeModes.end()};
-  if (!options.file.built()) modes.push_back(options.file.file);
   const Scene loaded = LoadForBench(options.scene, options.models);
   std::vector<Pose> poses;
   std::vector<Wrench> truth;
@@ -223,12 +208,8 @@ void RunScene(const Options& options, std::vector<std::string> modes) {
                  {"steps", poses.size()},
                  {"machine", ToJson(ThisMachine())}};
   for (const std::string& name : modes) {
-    const bool of_file = name == options.file.file;
-    Scene scene =
-        of_file ? LoadForBench(options.scene, options.models, std::nullopt, options.file) : loaded;
-    ModeResult result;
-    result.mode = name;
-    if (!of_file) result.build_s = Rebuild(scene, TreeModeNamed(name), options.leaves);
+    Scene scene = loaded;
+    ModeResult result{name, Rebuild(scene, TreeModeNamed(name), options.leaves), {}};
     MeasureBodies(scene, options.samples, result);
     Json entry = report.Add(options.scene, result, false);
     if (!options.no_force) {
@@ -276,7 +257,7 @@ void AddTree(const CommandLine& app) {
   Add(command, "--leaves,--spheres", options->leaves,
       "leaves of each tree; default: those of the scene")
       .Range(std::size_t{1}, kMaxLeaves);
-  AddTreeFile(command, "m for --mesh, in its frame; else that of the scene's mesh", options->file);
+  Add(command, "--unit", options->unit, "unit of --mesh").OneOf({kUnits.begin(), kUnits.end()});
   Add(command, "--samples", options->samples, "number of sample points on the surface").Positive();
   AddPathSteps(command, options->steps);
   command.AddFlag("--no-force", options->no_force, "measure only the geometry");

@@ -8,9 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/shapes/shapes.h"
-#include "scenes/tree/sph_file.h"
 #include "scenes/tree/sphere.h"
-#include "scenes/tree/sphere_tree_builder.h"
 #include "tests/benchmarks/bench_fixture.h"
 #include "tests/support/dirty_mesh.h"
 
@@ -149,29 +147,6 @@ TEST_F(PalpateBench, TreeTakesAMeshAsItIsAndSeveralModesAtOnce) {
   const std::string csv = Read("t.csv");
   EXPECT_THAT(csv, testing::StartsWith("body,mode,level,kind,spheres,outside_um_mean,"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 5) << csv;
-}
-
-TEST_F(PalpateBench, TreeSetsATreeFromAFileBesideThatOfAMesh) {
-  WriteBox(File("box.obj"));
-  std::ofstream(File("box.sph")) << ToSph(SphOf(BuildSphereTree(MakeBox(1e-3 * kSides_mm), 64)),
-                                          1e-3);
-  const nlohmann::json modes =
-      Figures({"tree", "--mesh", File("box.obj"), "--unit", "mm", "--spheres", "64", "--samples",
-               "4001", "--tree", File("box.sph")})
-          .at("modes");
-  ASSERT_EQ(modes.size(), 2u);
-  EXPECT_EQ(modes[1].at("mode"), File("box.sph"));
-  // Also ours, but displaced.
-  const auto offset = [&](int i) {
-    return modes[i].at("levels").back().at("signed_offset_um").at("rms").get<double>();
-  };
-  EXPECT_NEAR(offset(1), offset(0), 0.02 * offset(0));
-
-  ASSERT_EQ(Run({"tree", "--mesh", File("box.obj"), "--unit", "mm", "--samples", "4001", "--tree",
-                 File("box.sph"), "--out", File("leaves")}),
-            0)
-      << said_;
-  EXPECT_EQ(ReadBalls(File("leaves")).size(), 64u);
 }
 
 TEST_F(PalpateBench, TreeSaysWhatItLacksAndWhatItCannotWrite) {

@@ -191,39 +191,6 @@ TEST(SceneFile, BalancesLeavesThatAreFeltUnlessItSaysOtherwise) {
   EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")", ""); }), HasSubstr("balanced"));
 }
 
-TEST(SceneFile, ReadsWhichFileTheLeavesAreFrom) {
-  const auto with = [](const std::string& tree) {
-    return ParseScene(R"({"tools": [{"name": "t", "mesh": {"shape": "sphere", "radius_m": 0.01},
-                                     "leaves": 1}],
-                          "objects": [{"name": "o", "mesh": {"shape": "box", "size_m": [1, 1, 1]},
-                                       "tree": )" +
-                          tree + "}]}",
-                      "folder/demo.json")
-        .objects[0];
-  };
-  const TreeSource plain = with(R"({"file": "o.sph"})").tree;
-  EXPECT_EQ(plain.file, "folder/o.sph");
-  EXPECT_EQ(plain.level, 0);
-  EXPECT_TRUE(plain.align);
-  EXPECT_FALSE(plain.metres_per_unit);
-  const BodyDescription body =
-      with(R"({"file": "../o.sph", "level": 3, "unit": "inch", "align": false})");
-  EXPECT_EQ(body.leaves, 0u);
-  EXPECT_EQ(body.tree.file, "o.sph");
-  EXPECT_EQ(body.tree.level, 3);
-  EXPECT_EQ(body.tree.metres_per_unit, 0.0254);
-  EXPECT_FALSE(body.tree.align);
-  const auto complaint = [&](const std::string& tree) { return ComplaintOf([&] { with(tree); }); };
-  EXPECT_THAT(complaint(R"({"file": "o.sph"}, "leaves": 8)"),
-              HasSubstr("objects[0].leaves: has no effect if \"tree\" names a file"));
-  EXPECT_THAT(complaint("\"cover\""), HasSubstr("leaves is missing"));
-  EXPECT_THAT(complaint(R"({"file": "o.ply"})"), HasSubstr("tree.file: is not a .sph file"));
-  EXPECT_THAT(complaint(R"({"level": 2})"), HasSubstr("file is missing"));
-  EXPECT_THAT(complaint(R"({"file": "o.sph", "level": 0})"), HasSubstr("tree.level: 0 is not"));
-  EXPECT_THAT(complaint(R"({"file": "o.sph", "mode": "cover"})"),
-              HasSubstr("tree.mode: there is no"));
-}
-
 TEST(SceneFile, ReadsHowTheSceneIsToBeSeen) {
   const std::string bodies = R"("tools": [{"name": "t", "leaves": 8, "look": "steel",
       "mesh": {"shape": "box", "size_m": [1, 1, 1]}}],
