@@ -198,7 +198,7 @@ Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
   }
   double leaves = double(body.leaves);
   if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // the sum over all counts that are tried
-  const bool moved = body.tree == TreeMode::kBalanced || body.tree == TreeMode::kCover;
+  const bool moved = body.tree == TreeMode::kBalanced;
   return {1.0 + 0.01 * triangles, (moved ? 6.0 : 1.0) * leaves + 0.005 * triangles};
 }
 

@@ -34,7 +34,8 @@ struct LoadOptions {
   /// scene file, in the caller's thread.
   std::size_t bodies_at_once = 0;
   MeshSceneOptions mesh = {};  ///< for a mesh file that is named in place of a scene
-  /// Is told what was assumed about such a mesh, and how many leaves a tolerance took.  Default: writes to standard error.
+  /// Is told what was assumed about such a mesh, and how many leaves a tolerance took.  Default:
+  /// writes to standard error.
   std::function<void(const std::string&)> tell = {};
 };
 

@@ -37,8 +37,8 @@ SphereTree TreeOf(const SlidingExperiment& experiment, const TriangleMesh& mesh,
   return BuildSphereTree(
       mesh, spheres,
       [&](std::string_view stage, double done) {
-        Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres,
-                             stage, 100.0 * done));
+        Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres, stage,
+                             100.0 * done));
       },
       experiment.tree);
 }

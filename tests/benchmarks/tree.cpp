@@ -145,9 +145,9 @@ TriangleMesh LoadMesh(const Options& options) {
   for (const std::string& remark : MendMesh(mesh)) {
     std::fprintf(stderr, "note: %s\n", remark.c_str());
   }
-  PlaceMesh({.metres_per_unit = MetresPerUnit(options.unit),
-             .origin = MeshPlacement::Origin::kFile},
-            mesh);
+  PlaceMesh(
+      {.metres_per_unit = MetresPerUnit(options.unit), .origin = MeshPlacement::Origin::kFile},
+      mesh);
   return mesh;
 }
 

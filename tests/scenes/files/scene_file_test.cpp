@@ -179,15 +179,14 @@ TEST(SceneFile, BalancesLeavesThatAreFeltUnlessItSaysOtherwise) {
                         "mesh": {"shape": "box", "size_m": [1, 1, 1]})" +
                        tree + "}]" + contact + "}",
                    "demo.json");
-    EXPECT_EQ(scene.tools[0].tree.mode, scene.objects[0].tree.mode);
-    return scene.objects[0].tree.mode;
+    EXPECT_EQ(scene.tools[0].tree, scene.objects[0].tree);
+    return scene.objects[0].tree;
   };
   EXPECT_EQ(with("", ""), TreeMode::kInside);
   EXPECT_EQ(with("", R"(, "contact": "surface")"), TreeMode::kInside);
   EXPECT_EQ(with("", R"(, "contact": "spheres")"), TreeMode::kBalanced);
   EXPECT_EQ(with(R"(, "tree": "inside")", R"(, "contact": "spheres")"), TreeMode::kInside);
   EXPECT_EQ(with(R"(, "tree": "balanced")", ""), TreeMode::kBalanced);
-  EXPECT_EQ(with(R"(, "tree": "cover")", ""), TreeMode::kCover);
   EXPECT_THAT(ComplaintOf([&] { with(R"(, "tree": "outside")", ""); }), HasSubstr("balanced"));
 }
 
