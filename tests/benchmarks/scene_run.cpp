@@ -38,23 +38,6 @@ std::string PosesCsv(const std::vector<Pose>& poses) {
   return csv;
 }
 
-ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth) {
-  ForceDifference apart;
-  double force = 0.0, torque = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    force += truth[i].force.norm();
-    torque += truth[i].torque.norm();
-    const double off = (felt[i].force - truth[i].force).norm();
-    apart.force += off;
-    apart.force_max = std::max(apart.force_max, off);
-    apart.torque += (felt[i].torque - truth[i].torque).norm();
-  }
-  apart.force = force > 0.0 ? apart.force / force : 0.0;
-  apart.force_max *= force > 0.0 ? static_cast<double>(truth.size()) / force : 1.0;
-  apart.torque = torque > 0.0 ? apart.torque / torque : 0.0;
-  return apart;
-}
-
 SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)
     : scene_(std::move(scene)), poses_(std::move(poses)) {
   model_ = std::make_unique<HapticModel>(MakeModel(scene_, tool(), MakeObjects(scene_)));

@@ -45,10 +45,4 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir,
 /// Returns poses as CSV such that --poses of cycle reads back the same bits.
 std::string PosesCsv(const std::vector<Pose>& poses);
 
-/// The differences between a path's forces and the true ones, relative to the true mean, or 0.
-struct ForceDifference {
-  double force = 0.0, force_max = 0.0, torque = 0.0;
-};
-ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth);
-
 }  // namespace palpate::bench
