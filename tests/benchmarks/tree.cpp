@@ -86,9 +86,8 @@ void Run(const Options& options) {
     const BodyTreeError error{options.mesh, MeasureLevels(mesh, tree, options.samples)};
     Progress("");
     fmt::print(stderr, "{}, {}: built in {:.2f} s\n{}", options.mesh, mode, build_s, ToText(error));
-    const Json entry{{"mode", mode},
-                     {"build_s", build_s},
-                     {"levels", Json::parse(ToJsonText(error))["levels"]}};
+    const Json entry{
+        {"mode", mode}, {"build_s", build_s}, {"levels", Json::parse(ToJsonText(error))["levels"]}};
     if (options.modes.size() == 1) {
       json.update(entry);
     } else {
@@ -104,8 +103,8 @@ void Run(const Options& options) {
 
 void AddTree(const CommandLine& app) {
   auto options = std::make_shared<Options>();
-  const CommandLine command = app.AddCommand(
-      "tree", "distance of sphere trees from their mesh, for every level and mode");
+  const CommandLine command =
+      app.AddCommand("tree", "distance of sphere trees from their mesh, for every level and mode");
   command.Footer("Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --json -");
   Add(command, "--mesh", options->mesh, "mesh file").Required();
   Add(command, "--modes,--mode", options->modes, "modes of the trees")

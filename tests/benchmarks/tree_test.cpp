@@ -136,10 +136,9 @@ TEST_F(PalpateBench, TreeTakesAMeshAsItIsAndSeveralModesAtOnce) {
   for (const Sphere& ball : ReadBalls(File("leaves"))) {
     EXPECT_LE(HeightOverBox(1e-3 * ball.centre) + 1e-3 * ball.radius, 1e-12) << "not in metres";
   }
-  const nlohmann::json modes =
-      Figures({"tree", "--mesh", File("box.obj"), "--spheres", "20", "--samples", "1009", "--modes",
-               "inside,balanced"})
-          .at("modes");
+  const nlohmann::json modes = Figures({"tree", "--mesh", File("box.obj"), "--spheres", "20",
+                                        "--samples", "1009", "--modes", "inside,balanced"})
+                                   .at("modes");
   ASSERT_EQ(modes.size(), 2u);
   EXPECT_EQ(modes[1].at("mode"), "balanced");
   EXPECT_EQ(modes[1].at("levels").back().at("spheres"), 20);
