@@ -315,8 +315,8 @@ class Pareto {
     run.id = kind.id;
     run.name = kind.name + (kind.convex ? " (hulls)" : "");
     OrReason(run.not_available, [&] {
-      const TimedPeer timed = TimePeer(kind, ForPeers(loaded_->scene), loaded_->poses, {},
-                                       std::min(repeats(), 3), stop_);
+      const TimedPeer timed =
+          TimePeer(kind, ForPeers(loaded_->scene), loaded_->poses, std::min(repeats(), 3), stop_);
       run.speed = timed.speed;
       run.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
     });
@@ -355,7 +355,7 @@ class Pareto {
       PeerRun run;
       run.id = kind.id;
       run.name = kind.name;
-      add(run, [&] { return TimePeer(kind, ForPeers(scene), hand, {}, repeats(), stop_); });
+      add(run, [&] { return TimePeer(kind, ForPeers(scene), hand, repeats(), stop_); });
     }
   }
 
