@@ -109,7 +109,7 @@ void AddTree(const CommandLine& app) {
   Add(command, "--mesh", options->mesh, "mesh file").Required();
   Add(command, "--modes,--mode", options->modes, "modes of the trees")
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
-  Add(command, "--leaves,--spheres", options->leaves, "leaves of each tree")
+  Add(command, "--spheres,--leaves", options->leaves, "leaves of each tree")
       .Range(std::size_t{1}, kMaxLeaves)
       .Required();
   Add(command, "--unit", options->unit, "unit of the mesh").OneOf({kUnits.begin(), kUnits.end()});
