@@ -45,8 +45,6 @@
 #include "scenes/mesh/model_files.h"
 #include "scenes/shapes/shape_kinds.h"
 #include "scenes/shapes/shapes.h"
-#include "scenes/tree/sph_file.h"
-#include "scenes/tree/tree_import.h"
 
 namespace palpate {
 namespace {
@@ -91,13 +89,11 @@ struct Shape {
   TriangleMesh mesh;
   SphereTree tree;
   std::vector<MeshGroup> groups;
-  std::vector<std::string>
-      remarks;                   ///< what was repaired in the file, and what looks like a mistake
-  double metres_per_unit = 1.0;  ///< unit of the mesh's file
+  std::vector<std::string> remarks;  ///< what was repaired in the file, and what looks wrong
 };
 
 /// Makes the body's mesh.  Errors name the scene file's line.
-/// @param body  receives the named parts of a mesh file, what was repaired, and the unit.
+/// @param body  receives the named parts of a mesh file, and what was repaired.
 TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, Shape& body) {
   switch (source.kind) {
     case MeshSource::Kind::kBox:
@@ -122,7 +118,7 @@ TriangleMesh MakeMesh(const MeshSource& source, const std::string& models_dir, S
       if (spike->certain()) throw Error(file + ": " + SpikeRemark(*spike));
       body.remarks.push_back(SpikeRemark(*spike));
     }
-    body.metres_per_unit = PlaceMesh(source.placement, mesh);
+    PlaceMesh(source.placement, mesh);
     if (const std::string remark = UnitRemark(source.placement, mesh); !remark.empty()) {
       body.remarks.push_back(remark);
     }
@@ -202,9 +198,7 @@ Work WorkOf(const BodyDescription& body, const std::string& models_dir) {
   }
   double leaves = double(body.leaves);
   if (body.tolerance) leaves = ball ? 1.0 : 8192.0;  // the sum over all counts that are tried
-  if (!body.tree.built()) leaves = 2048.0;
-  const bool moved = body.tree.built() &&
-                     (body.tree.mode == TreeMode::kBalanced || body.tree.mode == TreeMode::kCover);
+  const bool moved = body.tree == TreeMode::kBalanced;
   return {1.0 + 0.01 * triangles, (moved ? 6.0 : 1.0) * leaves + 0.005 * triangles};
 }
 
@@ -259,27 +253,18 @@ Shape MakeShape(const BodyDescription& description, const LoadOptions& options,
   };
   if (description.tolerance) {
     TolerantTree built = About(description.name, [&] {
-      return BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree.mode);
+      return BuildToTolerance(body.mesh, *description.tolerance, tell, description.tree);
     });
     Tell(options, description.name + ": " + built.found);
     if (!built.shortfall.empty()) body.remarks.push_back(built.shortfall);
     body.tree = std::move(built.tree);
     return body;
   }
-  if (description.tree.built()) {
-    body.tree = About(description.name, [&] {
-      return description.mesh_alone
-                 ? BuildInnerTree(body.mesh)
-                 : BuildSphereTree(body.mesh, description.leaves, tell, description.tree.mode);
-    });
-    return body;
-  }
-  ImportedTree imported = About(description.tree.where, [&] {
-    return ImportTree(description.tree, body.mesh, body.metres_per_unit);
+  body.tree = About(description.name, [&] {
+    return description.mesh_alone
+               ? BuildInnerTree(body.mesh)
+               : BuildSphereTree(body.mesh, description.leaves, tell, description.tree);
   });
-  Tell(options, description.name + ": " + imported.found);
-  if (!imported.misfit.empty()) body.remarks.push_back(imported.misfit);
-  body.tree = std::move(imported.tree);
   return body;
 }
 
@@ -312,11 +297,7 @@ std::uint64_t KeyOf(const SceneDescription& scene, const std::string& text,
       for (const RegionDescription& region : body.regions) {
         if (region.kind == RegionDescription::Kind::kMesh) add_file_of(region.mesh);
       }
-      if (!body.tree.built()) {
-        const std::string sph = About(body.tree.where, [&] { return ReadSphText(body.tree.file); });
-        key = HashBytes(sph, key);
-      }
-      if (body.tree.built()) key = HashBytes(NameOf(body.tree.mode), key);
+      key = HashBytes(NameOf(body.tree), key);
       add_file_of(body.mesh);
     }
   }
@@ -532,23 +513,11 @@ SceneDescription Describe(const std::string& text, const std::string& file,
     scene.features.contact = *options.contact;
     ChooseModes(scene);
   }
-  if (options.tree_file) {
-    const MeshSource mesh = scene.objects.front().mesh;
-    for (auto* bodies : {&scene.tools, &scene.objects}) {
-      for (BodyDescription& body : *bodies) {
-        if (!SameMesh(body.mesh, mesh)) continue;
-        body.tree = *options.tree_file;
-        body.tree_left_open = false;
-        body.leaves = 0;
-        body.tolerance.reset();
-      }
-    }
-  }
   if (options.leaves) {
     for (auto* bodies : {&scene.tools, &scene.objects}) {
       for (BodyDescription& body : *bodies) {
         // Keep a single leaf: it is the exact ball.
-        if (!body.tree.built() || body.leaves == 1) continue;
+        if (body.leaves == 1) continue;
         body.leaves = 0;
         body.tolerance = options.leaves;
       }
@@ -557,14 +526,8 @@ SceneDescription Describe(const std::string& text, const std::string& file,
   for (auto* bodies : {&scene.tools, &scene.objects}) {
     if (!options.tree) break;
     for (BodyDescription& body : *bodies) {
-      if (body.tree.built()) {
-        body.tree.mode = *options.tree;
-        body.tree_left_open = false;
-      } else {
-        Warn(options, body.tree.where + ": is a tree from a file, " + body.tree.file +
-                          ", and is not changed: only trees that are built have the mode \"" +
-                          std::string(NameOf(*options.tree)) + "\"");
-      }
+      body.tree = *options.tree;
+      body.tree_left_open = false;
     }
   }
   ChooseLeaves(scene);
@@ -572,12 +535,10 @@ SceneDescription Describe(const std::string& text, const std::string& file,
 }
 
 Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOptions& options) {
-  if (options.tree || options.tree_file || options.leaves) {
+  if (options.tree || options.leaves) {
     throw Error(file +
                 ": is a bundle, whose trees cannot be changed; give the scene file, or omit the " +
-                (options.tree     ? "mode"
-                 : options.leaves ? "tolerance"
-                                  : "tree's file"));
+                (options.tree ? "mode" : "tolerance"));
   }
   Scene scene = UnpackScene(Bytes(bytes), file);
   LoadEffects(scene.effects, fs::path(file).parent_path(), file);
@@ -588,7 +549,7 @@ Scene LoadBundle(const std::string& bytes, const std::string& file, const LoadOp
 /// need no compiling.
 Scene CompileOnce(const SceneDescription& description, const std::string& text,
                   const LoadOptions& options) {
-  if (!options.use_cache || options.tree_file) return Compile(description, options);
+  if (!options.use_cache) return Compile(description, options);
 
   const auto warn = [&](const std::string& what) { Warn(options, what); };
   const std::string folder = options.cache_dir.empty() ? DefaultCacheFolder() : options.cache_dir;

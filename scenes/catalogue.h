@@ -8,7 +8,6 @@
 #include "scenes/files/mesh_scene.h"
 #include "scenes/scene.h"
 #include "scenes/tree/sphere_tree_builder.h"
-#include "scenes/tree/tree_source.h"
 
 namespace palpate {
 
@@ -19,13 +18,10 @@ struct LoadOptions {
   /// Replaces the contact model of the scene file.  Trees whose mode the scene file leaves open get
   /// the mode that suits it (ChooseModes).
   std::optional<ContactModel> contact = {};
-  /// Mode of every tree that is built; unset: as the scene file says.
+  /// Mode of every tree; unset: as the scene file says.
   std::optional<TreeMode> tree = {};
-  /// Tolerance of every tree that is built with more than one leaf; unset: as the scene file says.
+  /// Tolerance of every tree with more than one leaf; unset: as the scene file says.
   std::optional<LeafTolerance> leaves = {};
-  /// Tree file of the first object, and of every body that has the same mesh, whatever the scene
-  /// file says.  The scene is then not cached.
-  std::optional<TreeSource> tree_file = {};
   /// Is told the progress of the whole scene, which never decreases; a stage reads "body 2 of 5,
   /// name: stage".  Called only while something is built, or while a mesh that is named in place of
   /// a scene is read; from the threads that build, never by two at once.
@@ -38,8 +34,8 @@ struct LoadOptions {
   /// scene file, in the caller's thread.
   std::size_t bodies_at_once = 0;
   MeshSceneOptions mesh = {};  ///< for a mesh file that is named in place of a scene
-  /// Is told what was assumed about such a mesh, and how a tree from a file was aligned with its
-  /// mesh.  Default: writes to standard error.
+  /// Is told what was assumed about such a mesh, and how many leaves a tolerance took.  Default:
+  /// writes to standard error.
   std::function<void(const std::string&)> tell = {};
 };
 

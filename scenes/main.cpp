@@ -26,12 +26,10 @@
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_report.h"
-#include "scenes/mesh/units.h"
 #include "scenes/picture.h"
 #include "scenes/progress_line.h"
 #include "scenes/scene_verdict.h"
 #include "scenes/tree/leaf_count.h"
-#include "scenes/tree/sph_file.h"
 #include "scenes/tree/tree_error.h"
 #include "scenes/tree/tree_mode.h"
 
@@ -47,8 +45,6 @@ struct Arguments {
   std::optional<int> level;
   std::string mode;  ///< one of kTreeModes; empty: as the scene file says
   std::optional<LeafTolerance> leaves;
-  std::string body;         ///< the body whose tree is exported; empty: the first object
-  std::string unit = "mm";  ///< of the exported file
   bool rebuild = false;
   bool whole = false;
   MeshSceneOptions mesh;
@@ -185,24 +181,6 @@ void WriteText(const std::string& file, const std::string& text) {
   WriteFileAtomically(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-void Export(const Arguments& arguments) {
-  if (!arguments.output.ends_with(".sph")) {
-    throw UsageError("-o " + arguments.output + ": trees are written as .sph");
-  }
-  const Scene scene = Load(arguments);
-  const Body& body = FindBody(scene, arguments.body);
-  const int levels = body.tree.levels();
-  if (arguments.level && (*arguments.level < 1 || *arguments.level > levels)) {
-    throw UsageError("--level " + std::to_string(*arguments.level) + ": the tree of " + body.name +
-                     " has levels 1 to " + std::to_string(levels));
-  }
-  const std::string text =
-      ToSph(SphOf(body.tree, arguments.level.value_or(0)), MetresPerUnit(arguments.unit));
-  WriteText(arguments.output, text);
-  std::printf("wrote %s: the tree of %s (%.1f MB)\n", arguments.output.c_str(), body.name.c_str(),
-              1e-6 * double(text.size()));
-}
-
 void List() {
   for (const CatalogueEntry& entry : ListCatalogue()) {
     std::printf("%-16s  %s\n", entry.name.c_str(), entry.description.c_str());
@@ -265,8 +243,7 @@ void AddBuild(const CommandLine& app, Arguments& arguments) {
   build.Add("-o,--output", arguments.output, "bundle to write (.palpate)");
   build
       .Add("--mode", arguments.mode,
-           "how the leaves of all trees approximate their meshes; overrides the scene file, except "
-           "for trees read from a .sph file")
+           "how the leaves of all trees approximate their meshes; overrides the scene file")
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
   AddToleranceOptions(build, arguments.leaves);
   build.Run([&] { Build(arguments); });
@@ -309,25 +286,6 @@ void AddNew(const CommandLine& app, Arguments& arguments) {
   make.Run([&] { New(arguments); });
 }
 
-void AddExport(const CommandLine& app, Arguments& arguments) {
-  const CommandLine export_tree = AddSceneCommand(
-      app, arguments, "export",
-      "write the sphere tree of a body, in the body's frame, as a .sph of the\n"
-      "Sphere-Tree Construction Toolkit: \"levels degree\", then one line\n"
-      "'x y z radius importance' per slot, breadth first; radius -1: unused.  A root\n"
-      "is added, so that level N here is level N + 1 there.  A scene file reads it as\n"
-      "\"tree\": {\"file\": ...}",
-      SceneHelp(), "bunny-bunny -o bunny.sph --unit mm");
-  export_tree.Add("-o,--output", arguments.output, "file to write (.sph)").Required();
-  export_tree.Add("--body", arguments.body, "name of a tool or object; default: the first object");
-  export_tree.Add("--level", arguments.level,
-                  "the last level to write, counted from 1, the coarsest, as by info");
-  export_tree.Add("--unit", arguments.unit, "unit of its numbers, which have six decimals")
-      .OneOf({kUnits.begin(), kUnits.end()})
-      .ShowDefault();
-  export_tree.Run([&] { Export(arguments); });
-}
-
 int Main(int argc, char** argv) {
   const CommandLine app(
       "Compiles scenes: reads meshes, builds their sphere trees, and caches the result\n"
@@ -341,7 +299,6 @@ int Main(int argc, char** argv) {
       "  palpate-scene build bunny-bunny -o bunny.palpate\n"
       "  palpate-scene build tooth.stl --tolerance-um 50\n"
       "  palpate-scene render bunny.palpate -o bunny.png\n"
-      "  palpate-scene export bunny-bunny -o bunny.sph\n"
       "'palpate-scene COMMAND --help' explains a command.");
   Arguments arguments;
   app.RequireCommands(1, 1);
@@ -358,7 +315,6 @@ int Main(int argc, char** argv) {
   AddCheck(app, arguments);
   AddRender(app, arguments);
   AddNew(app, arguments);
-  AddExport(app, arguments);
   const CommandLine list = app.AddCommand("list", "list the scenes of the catalogue");
   list.Footer("Example: palpate-scene list");
   list.Run(List);

@@ -14,11 +14,11 @@ namespace palpate {
 /// the physics does not use it.
 enum class TreeOrigin : std::uint8_t {
   kUnknown,   ///< not stated: an older bundle, or a scene that was sent
-  kInside,    ///< built in the TreeMode of the same name (tree_mode.h), as the next two
+  kInside,    ///< built in the TreeMode of the same name (tree_mode.h), as the next
   kBalanced,  //
-  kCover,     //
-  kOctree,    ///< of an older bundle: round the cells of an octree, which is no longer a mode
-  kFile,      ///< read from a .sph file
+  kCover,     ///< of an older bundle: leaves that contain the surface, no longer a mode
+  kOctree,    ///< likewise: round the cells of an octree
+  kFile,      ///< likewise: read from a file
   kBall,      ///< one leaf: exactly the ball that the mesh represents
 };
 

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <string_view>
-#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "common/error.h"
-#include "common/text/nearest_word.h"
 #include "scenes/tree/tree_mode.h"
 
 namespace palpate {
@@ -18,7 +15,7 @@ std::string ModeOf(const SphereTree& tree) {
     case TreeOrigin::kUnknown:
       return "of a mode that is not known";
     case TreeOrigin::kFile:
-      return "from a .sph file";
+      return "from a file";
     case TreeOrigin::kBall:
       return "exactly the ball it is";
     default:
@@ -47,19 +44,6 @@ std::string MovedLines(const Scene& scene) {
   }
   if (scene.hands_meet) lines += "  tools touch each other: all hands act in one world\n";
   return lines;
-}
-
-const Body& FindBody(const Scene& scene, const std::string& name) {
-  if (name.empty()) return scene.objects.front();
-  std::vector<std::string_view> names;
-  for (const auto* bodies : {&scene.objects, &scene.tools}) {
-    for (const Body& body : *bodies) {
-      if (body.name == name) return body;
-      names.push_back(body.name);
-    }
-  }
-  throw UsageError("--body " + name + ": there is no such body in " + scene.name +
-                   DidYouMeanOneOf(name, names));
 }
 
 }  // namespace palpate

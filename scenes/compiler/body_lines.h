@@ -12,8 +12,4 @@ std::string BodyLine(const char* kind, const Body& body);
 /// Returns a line for each group of objects that moves.
 std::string MovedLines(const Scene& scene);
 
-/// Returns the body of that name, or the first object if it is empty.  Throws UsageError with
-/// the nearest name.
-const Body& FindBody(const Scene& scene, const std::string& name);
-
 }  // namespace palpate

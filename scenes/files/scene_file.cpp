@@ -14,7 +14,6 @@
 #include "scenes/grid/bur.h"
 #include "scenes/grid/solid_grid.h"
 #include "scenes/shapes/shape_kinds.h"
-#include "scenes/tree/sph_file.h"
 
 namespace palpate {
 namespace {
@@ -384,29 +383,6 @@ void CheckCurved(const JsonNode& root, const SceneDescription& scene) {
   check("objects", scene.objects);
 }
 
-TreeSource ReadTree(const JsonNode& node, const fs::path& folder) {
-  TreeSource tree;
-  tree.where = node.Where();
-  if (!node.IsObject()) {
-    tree.mode = TreeModeNamed(node.OneOf({kTreeModes.begin(), kTreeModes.end()}));
-    return tree;
-  }
-  node.AllowOnly({"file", "level", "unit", "align"});
-  const JsonNode file = node.At("file");
-  tree.file = (folder / file.String()).lexically_normal().string();
-  if (fs::path(tree.file).extension() != ".sph") {
-    file.Fail(
-        "is not a .sph file; give one of the Sphere-Tree Construction Toolkit, or of palpate-scene "
-        "export");
-  }
-  if (auto level = node.Find("level")) {
-    tree.level = static_cast<int>(level->Integer(1, kMaxSphLevels));
-  }
-  if (auto unit = node.Find("unit")) tree.metres_per_unit = ReadUnit(*unit);
-  if (auto align = node.Find("align")) tree.align = align->Boolean();
-  return tree;
-}
-
 LeafTolerance ReadTolerance(const JsonNode& node) {
   node.AllowOnly({"tolerance_um", "tolerance_deg", "most_leaves"});
   const auto um = node.Find("tolerance_um");
@@ -582,15 +558,11 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
     body.edge_where = edge->Where();
   }
   if (auto tree = node.Find("tree")) {
-    body.tree = ReadTree(*tree, folder);
+    body.tree = TreeModeNamed(tree->OneOf({kTreeModes.begin(), kTreeModes.end()}));
     body.tree_left_open = false;
   }
   const bool may_lack_leaves = object && body.tree_left_open && !node.Has("leaves");
-  if (body.tree.built()) {
-    if (!may_lack_leaves) ReadLeaves(node.At("leaves"), body);
-  } else if (auto leaves = node.Find("leaves")) {
-    leaves->Fail("has no effect if \"tree\" names a file, whose level determines it; drop it");
-  }
+  if (!may_lack_leaves) ReadLeaves(node.At("leaves"), body);
   if (auto pose = node.Find(pose_field)) {
     pose->AllowOnly({"position_mm", "rotation_deg", "quaternion_wxyz"});
     body.X_WB = pose->ReadPose();
@@ -775,14 +747,14 @@ void ChooseModes(SceneDescription& scene) {
   const TreeMode mode = ModeFor(scene.features.contact);
   for (auto* bodies : {&scene.tools, &scene.objects}) {
     for (BodyDescription& body : *bodies) {
-      if (body.tree_left_open) body.tree.mode = mode;
+      if (body.tree_left_open) body.tree = mode;
     }
   }
 }
 
 void ChooseLeaves(SceneDescription& scene) {
   for (BodyDescription& body : scene.objects) {
-    if (body.leaves > 0 || body.tolerance || !body.tree.built()) continue;
+    if (body.leaves > 0 || body.tolerance) continue;
     body.mesh_alone = body.tree_left_open && (body.regions.empty() || body.grid) &&
                       !FeltByLeaves(body) &&
                       (scene.features.contact == ContactModel::kSurface || body.grid);

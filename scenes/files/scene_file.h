@@ -15,7 +15,7 @@
 #include "scenes/scene.h"
 #include "scenes/tree/leaf_count.h"
 #include "scenes/tree/sphere.h"
-#include "scenes/tree/tree_source.h"
+#include "scenes/tree/tree_mode.h"
 
 namespace palpate {
 
@@ -76,11 +76,10 @@ struct RegionDescription {
 struct BodyDescription {
   std::string name;
   MeshSource mesh;
-  /// 0: as many as the tolerance needs, or as the tree's file has; if there is neither,
-  /// as ChooseLeaves decides.
+  /// 0: as many as the tolerance needs; if there is none, as ChooseLeaves decides.
   std::size_t leaves = 0;
-  std::optional<LeafTolerance> tolerance;  ///< for a tree that is built, if `leaves` is 0
-  TreeSource tree;
+  std::optional<LeafTolerance> tolerance;  ///< if `leaves` is 0
+  TreeMode tree = TreeMode::kInside;
   bool tree_left_open = true;  ///< whether its mode follows from the contact: ChooseModes
   bool mesh_alone = false;     ///< whether only the start pose uses its leaves: ChooseLeaves
   Pose X_WB;

@@ -185,7 +185,7 @@ std::vector<std::string> FilesOfMesh(const std::string& file) {
   return files;
 }
 
-double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
+void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = BoxOf(mesh);
   double scale = placement.metres_per_unit;
   if (placement.longest_side) scale = *placement.longest_side / box.sizes().maxCoeff();
@@ -196,7 +196,6 @@ double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh) {
     origin = InspectMesh(mesh).centroid;
   }
   for (Vec3& v : mesh.vertices) v = scale * (v - origin);
-  return scale;
 }
 
 std::string UnitRemark(const MeshPlacement& placement, const TriangleMesh& mesh) {

@@ -37,9 +37,8 @@ struct MeshPlacement {
   Origin origin = Origin::kBoxCentre;
 };
 
-/// Scales and moves a mesh, which must have an extent (mesh_report.h).  Returns the length of one
-/// file unit [m].
-double PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh);
+/// Scales and moves a mesh, which must have an extent (mesh_report.h).
+void PlaceMesh(const MeshPlacement& placement, TriangleMesh& mesh);
 
 /// Returns a remark for people about the file's unit, if the mesh is hardly of a size that can be
 /// felt and another unit is more likely; else empty, also if the scene gives the longest side.

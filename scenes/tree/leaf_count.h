@@ -25,7 +25,7 @@ inline constexpr double kAutoShare = 1.0 / 500.0;
 /// The first count that is tried: fewer leaves hardly describe any shape, and take as long.
 inline constexpr std::size_t kFewestByTolerance = 64;
 /// The default of most_leaves.  All trees that are tried have three times as many leaves together,
-/// which takes seconds, or a minute if leaves are moved ("balanced", "cover").
+/// which takes seconds, or a minute if leaves are moved ("balanced").
 inline constexpr std::size_t kMostByTolerance = 16384;
 
 /// Limits of a tolerance: less cannot be felt, and with more the leaves do not represent the mesh.

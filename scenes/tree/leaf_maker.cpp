@@ -8,7 +8,6 @@
 
 #include "common/error.h"
 #include "scenes/tree/balanced_balls.h"
-#include "scenes/tree/cover_balls.h"
 #include "scenes/tree/inner_balls.h"
 
 namespace palpate {
@@ -123,15 +122,11 @@ class BallFitter {
     CoverBarest(solid_.samples, inner_, spacing_, count_ - leaves.size() - kept, leaves);
     if (mode_ == TreeMode::kInside) return leaves;
     const auto done = [&](double share) { Tell(NameOf(mode_), 0.6 + 0.2 * share); };
-    if (mode_ == TreeMode::kBalanced) {
-      const double probe = kProbe * spacing_;
-      const std::vector<SurfaceSample> dense =
-          ScatterAbove(solid_.mesh, solid_.report, solid_.query, probe,
-                       std::max(kSamplesPerBalancedLeaf * count_, kFewestCandidates));
-      BalanceBalls({solid_.query, inner_, dense, probe, spacing_}, leaves, done);
-    } else {
-      CoverWithBalls({solid_.mesh, solid_.query, inner_, spacing_}, leaves, done);
-    }
+    const double probe = kProbe * spacing_;
+    const std::vector<SurfaceSample> dense =
+        ScatterAbove(solid_.mesh, solid_.report, solid_.query, probe,
+                     std::max(kSamplesPerBalancedLeaf * count_, kFewestCandidates));
+    BalanceBalls({solid_.query, inner_, dense, probe, spacing_}, leaves, done);
     leaves.insert(leaves.end(), fill.begin(), fill.end());
     return leaves;
   }
@@ -141,10 +136,8 @@ class BallFitter {
     if (progress_) progress_(stage, fraction);
   }
 
-  /// Returns balls for the space inside that those at the surface leave.  If they cover the
-  /// surface, that space cannot be reached, and nothing is added.
+  /// Returns balls for the space inside that those at the surface leave.
   std::vector<Sphere> Fill(const std::vector<Sphere>& leaves) const {
-    if (mode_ == TreeMode::kCover) return {};
     Tell("filling the inside", 0.5);
     const auto most = static_cast<std::size_t>(std::ceil(kInsideShare * double(count_)));
     return inner_.Fill(leaves, std::min(most, count_ - leaves.size()));
@@ -188,7 +181,6 @@ std::vector<Sphere> MakeLeaves(const SampledSolid& solid, std::size_t count, Tre
   switch (mode) {
     case TreeMode::kInside:
     case TreeMode::kBalanced:
-    case TreeMode::kCover:
       return BallFitter(solid, count, mode, progress).Make();
   }
   throw Error("there is no such mode of a tree");  // an invalid number cast to TreeMode

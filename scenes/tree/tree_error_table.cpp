@@ -113,26 +113,6 @@ std::string ToText(const BodyTreeError& error) {
   return "  " + error.body + "\n" + LevelTable(error.levels, UnitOf({error}));
 }
 
-std::string ToCsv(const BodyTreeError& error, std::string_view mode, bool heading) {
-  std::string text;
-  if (heading) {
-    text = "body,mode,level,kind,spheres";
-    for (const Figure& figure : FiguresOf({})) {
-      text += fmt::format(",{}{}{}", figure.of, *figure.which ? "_" : "", figure.which);
-    }
-    text += '\n';
-  }
-  for (std::size_t l = 0; l < error.levels.size(); ++l) {
-    text += fmt::format("{},{},{},{},{}", error.body, mode, l + 1, KindOf(error.levels, l),
-                        error.levels[l].spheres);
-    for (const Figure& figure : FiguresOf(error.levels[l])) {
-      text += fmt::format(",{:.9g}", figure.value);
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 std::string ToJsonText(const BodyTreeError& error) {
   nlohmann::ordered_json json{{"body", error.body}};
   json["levels"] = nlohmann::ordered_json::array();

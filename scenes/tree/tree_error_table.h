@@ -35,11 +35,8 @@ LengthUnit UnitOf(const std::vector<BodyTreeError>& errors);
 std::string LevelTable(const std::vector<UnionError>& levels, const LengthUnit& unit);
 /// Returns that table under the body's name.
 std::string ToText(const BodyTreeError& error);
-/// Returns one line per level.  Each figure's name ends with its unit and its
-/// statistic, as "signed_offset_um_p99".
-/// @param mode  of the tree.   @param heading  whether to begin with the line of names.
-std::string ToCsv(const BodyTreeError& error, std::string_view mode, bool heading);
-/// Returns {"body": ..., "levels": [...]} with the same figures: "signed_offset_um": {"p99": ...}.
+/// Returns {"body": ..., "levels": [...]}: each figure's name ends with its unit, as
+/// "signed_offset_um": {"p99": ...}.
 std::string ToJsonText(const BodyTreeError& error);
 
 }  // namespace palpate

@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+/// The most leaves of one body.
+inline constexpr std::size_t kMaxLeaves = 1u << 20;
+
 /// How the leaves of a sphere tree represent the solid.
 enum class TreeMode : std::uint8_t {
   /// All leaves lie inside it.  Most touch the surface, at evenly spread points; some fill the
@@ -18,13 +21,10 @@ enum class TreeMode : std::uint8_t {
   /// The leaves at the surface are moved and resized until the error that a hand feels is least
   /// (balanced_balls.h): their union is as often above the surface as below it.
   kBalanced,
-  /// The leaves at the surface are moved and resized until they contain all of it and stick out
-  /// least (cover_balls.h): they bound the solid.
-  kCover,
 };
 
 /// The modes' names in scene files and programs, in the order of TreeMode.
-inline constexpr std::array<std::string_view, 3> kTreeModes{"inside", "balanced", "cover"};
+inline constexpr std::array<std::string_view, 2> kTreeModes{"inside", "balanced"};
 inline std::string_view NameOf(TreeMode mode) {
   return kTreeModes[static_cast<std::size_t>(mode)];
 }
@@ -43,14 +43,17 @@ inline TreeMode ModeFor(ContactModel contact) {
 /// Returns the origin of a tree that was built in the mode.
 inline TreeOrigin OriginOf(TreeMode mode) {
   static_assert(static_cast<int>(TreeOrigin::kInside) == 1 + static_cast<int>(TreeMode::kInside) &&
-                static_cast<int>(TreeOrigin::kCover) == 1 + static_cast<int>(TreeMode::kCover));
+                static_cast<int>(TreeOrigin::kBalanced) ==
+                    1 + static_cast<int>(TreeMode::kBalanced));
   return static_cast<TreeOrigin>(1 + static_cast<int>(mode));
 }
-/// Returns one of kTreeModes, "octree", "file", "ball" or "unknown".
+/// Returns one of kTreeModes, "cover", "octree", "file", "ball" or "unknown".
 inline std::string_view NameOf(TreeOrigin origin) {
   switch (origin) {
     case TreeOrigin::kUnknown:
       return "unknown";
+    case TreeOrigin::kCover:
+      return "cover";
     case TreeOrigin::kOctree:
       return "octree";
     case TreeOrigin::kFile:

@@ -21,7 +21,7 @@ constexpr double kWrenchValid_s = 0.05;
 /// The distance within which the rows are said to hold: kWrenchValid_s of a hand at 0.1 m/s.  No
 /// step guarantees that.  What its prediction left out lies outside the bounds of its last
 /// sub-step, tenths of a millimetre, and a row is a tangent, off by d^2 / 2R at a distance d on a
-/// surface of radius R.  Measured (palpate-bench closed-loop --slide), the force on the bunny is
+/// surface of radius R.  As measured (results/closed-loop.md), the force on the bunny is
 /// then 5 % off at 1 mm.
 constexpr double kRegion_m = 5e-3;
 constexpr std::int64_t kLate_ns = 2'000'000;

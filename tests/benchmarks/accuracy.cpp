@@ -24,7 +24,6 @@ struct Options {
   std::string mode;  ///< empty: the mode that suits the contact
   std::vector<std::size_t> spheres{64, 512, 4096};
   FeatureOptions features{"surface", "off"};
-  TreeSource file;  ///< compared with the trees that are built; none if it names no file
   std::string json;
 };
 
@@ -76,18 +75,11 @@ void Run(Options options) {
   options.experiment.features = options.features.features();
   options.experiment.tolerance = 1e-6 * options.tolerance_um;
   if (options.mode.empty()) options.mode = NameOf(ModeFor(options.experiment.features.contact));
-  options.experiment.tree.mode = TreeModeNamed(options.mode);
+  options.experiment.tree = TreeModeNamed(options.mode);
   std::vector<SlidingForce> rows;
   for (const std::size_t spheres : options.spheres) {
     rows.push_back(MeasureSlidingForce(options.experiment, spheres));
   }
-  std::optional<SlidingForce> of_file;
-  if (!options.file.built()) {
-    SlidingExperiment experiment = options.experiment;
-    experiment.tree = options.file;
-    of_file = MeasureSlidingForce(experiment, 0);
-  }
-
   std::string table = fmt::format(
       "{}, {} contact: a ball of 5 mm slides at 1 N, {} samples, best of {} ({})\n"
       "  {:<22} {:^17}  {:^17}  {:^15}  {:>10} {:>10}\n"
@@ -101,7 +93,6 @@ void Run(Options options) {
                          row.truncation_um.max, PercentilesOf(row.step_us.best()).p999);
   };
   for (const SlidingForce& row : rows) add_row(row, fmt::format("{}", row.spheres));
-  if (of_file) add_row(*of_file, fmt::format("{}, of the file", of_file->spheres));
   Json json{{"object", options.experiment.object},
             {"contact", options.features.contact},
             {"mode", options.mode},
@@ -113,10 +104,6 @@ void Run(Options options) {
     json.update(ToJson(rows.front()));
   } else {
     for (const SlidingForce& row : rows) json["results"].push_back(ToJson(row));
-  }
-  if (of_file) {
-    json["tree_file"] = ToJson(*of_file);
-    json["tree_file"]["file"] = options.file.file;
   }
   if (!options.experiment.cube()) {
     const TriangleMesh mesh = ObjectMesh(options.experiment, kComparedTriangles);
@@ -165,7 +152,6 @@ void AddAccuracy(const CommandLine& app) {
   Add(command, "--mode", options->mode,
       "mode of the object's tree; default: balanced for spheres, else inside")
       .OneOf({kTreeModes.begin(), kTreeModes.end()});
-  AddTreeFile(command, "m", options->file).Needs(command.Find("--tree"));
   Add(command, "--steps", experiment.steps, "samples of steady sliding").Positive();
   AddRepeats(command, experiment.repeats);
   AddJson(command, options->json);

@@ -1,4 +1,4 @@
-// palpate-bench closed-loop: the stiffness that can be rendered across a network, and the accuracy.
+// palpate-bench closed-loop: the stiffness that can be rendered across a network.
 #include <algorithm>
 #include <filesystem>
 
@@ -6,11 +6,8 @@
 
 #include "common/files/output.h"
 #include "devices/simulated/phantom_sheets.h"
-#include "scenes/catalogue.h"
-#include "server/physics/scene_model.h"
 #include "tests/benchmarks/closed_loop_run.h"
 #include "tests/benchmarks/commands.h"
-#include "tests/benchmarks/delayed_slide.h"
 #include "tests/benchmarks/figures.h"
 
 namespace palpate::bench {
@@ -19,8 +16,6 @@ namespace {
 struct Options {
   std::string device = "simulated", scene = "wall", local_model = "on", passivity = "on";
   ClosedLoopCase loop;
-  bool slide = false;
-  int slides = 8;
   std::string json, out;
 };
 
@@ -89,88 +84,6 @@ Json ToJson(const Curve& c, double stiffness_N_per_m) {
           {"rendered", Each(c.asked, &ClosedLoopFigures::rendered)}};
 }
 
-/// Runs all slides with one delay.
-struct DelayedSlides {
-  double delay_ms;
-  SlideErrors all;
-  std::vector<std::pair<std::string, SlideErrors>> path;
-  double WorstMean(SlideError SlideErrors::*way) const {
-    double worst = 0.0;
-    for (const auto& [name, errors] : path) worst = std::max(worst, (errors.*way).mean);
-    return worst;
-  }
-};
-
-/// @param one_more  called with the results so far after each delay.
-template <class OneMore>
-std::vector<DelayedSlides> MeasureSlides(const Options& options, OneMore one_more) {
-  const Scene scene = LoadScene("bunny-bunny");
-  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  const std::vector<SlidePath> paths = SlidePaths(model, options.slides, options.loop.seed);
-  std::vector<DelayedSlides> all;
-  for (const double delay_ms : kDelays_ms) {
-    DelayedSlides& slides = all.emplace_back(DelayedSlides{delay_ms, {}, {}});
-    std::vector<SlideTicks> ticks;
-    for (const SlidePath& path : paths) {
-      Progress(fmt::format("sliding {:g} ms late: {} ...", delay_ms, path.name));
-      const DelayedSlide slide{0.1, static_cast<int>(delay_ms)};
-      ticks.push_back(MeasureDelayedSlide(model, AtSpeed(path.hand, slide.speed_m_s), slide));
-      slides.path.emplace_back(path.name, ErrorsOf({&ticks.back(), 1}));
-    }
-    slides.all = ErrorsOf(ticks);
-    one_more(all);
-  }
-  Progress("");
-  return all;
-}
-
-Json ToJson(const SlideError& error) {
-  return {{"mean", error.mean}, {"p50", error.p50}, {"p99", error.p99}, {"max", error.max}};
-}
-
-Json ToJson(const SlideErrors& errors) {
-  return {{"late", ToJson(errors.late)}, {"local", ToJson(errors.local)},
-          {"ticks", errors.ticks},       {"mean_force_N", errors.mean_force_N},
-          {"contact", errors.contact},   {"beyond_region", errors.beyond_region}};
-}
-
-Json ToJson(const std::vector<DelayedSlides>& all) {
-  Json json = Json::array();
-  for (const DelayedSlides& slides : all) {
-    Json row{{"delay_ms", slides.delay_ms}};
-    row.update(ToJson(slides.all));
-    row["worst_path_mean"] = {{"late", slides.WorstMean(&SlideErrors::late)},
-                              {"local", slides.WorstMean(&SlideErrors::local)}};
-    for (const auto& [name, errors] : slides.path) {
-      Json path{{"path", name}};
-      path.update(ToJson(errors));
-      row["paths"].push_back(std::move(path));
-    }
-    json.push_back(std::move(row));
-  }
-  return json;
-}
-
-/// Returns a table in Markdown, which is also readable on a terminal.
-std::string TableOf(const std::vector<DelayedSlides>& all) {
-  std::string text =
-      "| delay [ms] | path | late wrench, mean | p50 | p99 | max | local model, mean | p50 | p99 | "
-      "max | in contact |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
-  const auto row = [&](double delay_ms, const std::string& name, const SlideErrors& e) {
-    const auto cells = [](const SlideError& error) {
-      return fmt::format("{:.1f} % | {:.1f} % | {:.1f} % | {:.1f} %", 100 * error.mean,
-                         100 * error.p50, 100 * error.p99, 100 * error.max);
-    };
-    text += fmt::format("| {:g} | {} | {} | {} | {:.0f} % |\n", delay_ms, name, cells(e.late),
-                        cells(e.local), 100 * e.contact);
-  };
-  for (const DelayedSlides& slides : all) {
-    row(slides.delay_ms, "**all**", slides.all);
-    for (const auto& [name, errors] : slides.path) row(slides.delay_ms, name, errors);
-  }
-  return text;
-}
-
 std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) {
   std::string heads, rules;
   for (const double delay_ms : kDelays_ms) {
@@ -205,10 +118,9 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
 }
 
 /// Writes the results so far, so that an interrupted run keeps its measurements.
-void WriteReport(const Options& options, const std::vector<Curve>& curves,
-                 const std::vector<DelayedSlides>& slides) {
+void WriteReport(const Options& options, const std::vector<Curve>& curves) {
   const std::filesystem::path folder = options.out;
-  const bool all = slides.size() == kDelays_ms.size() && curves.size() == kCurves;
+  const bool all = curves.size() == kCurves;
 
   const PublishedHand& hand = PublishedHandOf(options.loop.hand);
   const PhantomSheet arm = PhantomSheetOf(options.loop.arm);
@@ -222,14 +134,12 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves,
           "and turns by no more than two steps of its encoders. At most {:.0f} N/m are tried. "
           "Beyond 2 f / q, dry friction over the encoder's step, for this arm {:.0f} N/m, "
           "quantisation alone feeds the hand (Diolaiti, Niemeyer, Barbagli & Salisbury, IEEE T. "
-          "Robotics 22 (2006) 256-268). The torsional spring goes with the other.\n\n{}\n"
-          "## Sliding\n\nA hand slides on the bunny at 0.1 m/s: error of the force against that of "
-          "a server which answers at once, of that force.\n\n{}",
+          "Robotics 22 (2006) 256-268). The torsional spring goes with the other.\n\n{}",
           all ? "" : "**Not all is measured: the run goes on, or was ended.**\n\n", options.scene,
           options.loop.arm, hand.name, hand.source, options.loop.jitter_ms, options.loop.loss,
           options.loop.seed, kClosedLoopCycle_s, kClosedLoopWatch_s, kStiffest,
           2.0 * arm.dynamics.coulomb_force_N / arm.info.position_resolution_m,
-          TableOf(curves, options.loop.stiffness_N_per_m), TableOf(slides)));
+          TableOf(curves, options.loop.stiffness_N_per_m)));
 }
 
 void Run(Options options) {
@@ -275,25 +185,12 @@ void Run(Options options) {
             {"beyond_region", figures.beyond_region},
             {"max_stable_stiffness_N_per_m", width.stiffness_N_per_m},
             {"felt_stiffness_N_per_m", width.felt_N_per_m}};
-  if (options.slide || !options.out.empty()) {
-    const bool report = !options.out.empty();
-    const std::vector<DelayedSlides> slides =
-        MeasureSlides(options, [&](const std::vector<DelayedSlides>& some) {
-          if (report) WriteReport(options, {}, some);
-        });
-    fmt::print(
-        stderr,
-        "\nsliding on the bunny at 0.1 m/s, error of the force relative to the undelayed step\n{}",
-        TableOf(slides));
-    json["slide"] = ToJson(slides);
-    if (report) {
-      const std::vector<Curve> curves = MeasureCurves(
-          scene, options.loop,
-          [&](const std::vector<Curve>& some) { WriteReport(options, some, slides); });
-      fmt::print(stderr, "\n{}", TableOf(curves, options.loop.stiffness_N_per_m));
-      for (const Curve& curve : curves) {
-        json["z_width"].push_back(ToJson(curve, options.loop.stiffness_N_per_m));
-      }
+  if (!options.out.empty()) {
+    const std::vector<Curve> curves = MeasureCurves(
+        scene, options.loop, [&](const std::vector<Curve>& some) { WriteReport(options, some); });
+    fmt::print(stderr, "\n{}", TableOf(curves, options.loop.stiffness_N_per_m));
+    for (const Curve& curve : curves) {
+      json["z_width"].push_back(ToJson(curve, options.loop.stiffness_N_per_m));
     }
   }
   if (!options.json.empty()) WriteJson(options.json, json);
@@ -336,12 +233,7 @@ void AddClosedLoop(const CommandLine& app) {
   Add(command, "--scene", options->scene,
       "wall: a ball on a plate; bunny: bunny-bunny, pressed on the back")
       .OneOf({"wall", "bunny"});
-  command.AddFlag("--slide", options->slide,
-                  "also measure the force error while sliding on the bunny");
-  Add(command, "--slides", options->slides,
-      "number of further slides, with places and directions from the seed")
-      .Range(0, 1000);
-  Add(command, "--seed", loop.seed, "random seed of link and slides");
+  Add(command, "--seed", loop.seed, "random seed of the link");
   AddJson(command, options->json);
   Add(command, "--out", options->out,
       "folder for report.md: stiffness, energy and limit cycle against delay, for each "

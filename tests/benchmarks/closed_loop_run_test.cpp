@@ -3,9 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "devices/limiter/energy_stage.h"
-#include "scenes/catalogue.h"
-#include "server/physics/scene_model.h"
-#include "tests/benchmarks/delayed_slide.h"
 
 namespace palpate::bench {
 namespace {
@@ -84,43 +81,6 @@ TEST(ClosedLoop, RepeatsToTheBit) {
   EXPECT_EQ(once.limit_cycle_mm, again.limit_cycle_mm);
   EXPECT_EQ(once.energy_J, again.energy_J);
   EXPECT_EQ(once.mean_force_N, again.mean_force_N);
-}
-
-TEST(DelayedSlide, TakesEverySeedAnotherWayOverTheBunnyAndEachTwiceTheSame) {
-  const Scene scene = LoadScene("bunny-bunny");
-  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  const std::vector<SlidePath> once = SlidePaths(model, 3, 5, 0.03);
-  const std::vector<SlidePath> again = SlidePaths(model, 1, 6, 0.03);
-  ASSERT_EQ(once.size(), 4u);
-  for (std::size_t i = 1; i < once.size(); ++i) {
-    const SlideTicks ticks = MeasureDelayedSlide(model, AtSpeed(once[i].hand, 0.1), {0.1, 10});
-    const SlideErrors errors = ErrorsOf({&ticks, 1});
-    EXPECT_GT(errors.contact, 0.5) << once[i].name;
-    EXPECT_GT(errors.mean_force_N, 1.0) << once[i].name;
-    EXPECT_LT(errors.mean_force_N, 4.0) << once[i].name;
-  }
-  EXPECT_NE(once[1].hand.back().p, once[2].hand.back().p);
-  EXPECT_EQ(once[2].hand.back().p, again[1].hand.back().p);
-}
-
-TEST(DelayedSlide, IsTheServersOwnStepOnAPlane) {
-  const Scene& scene = Wall().scene;
-  const HapticModel model = MakeModel(scene, scene.tools.front(), MakeObjects(scene));
-  std::vector<Pose> way;
-  for (int i = 0; i <= 100; ++i) {
-    way.push_back({Vec3(1e-4 * i - 5e-3, 3e-3 + 1e-5 * (i % 50), 2e-5 * i), Quat::Identity()});
-  }
-  for (const int delay_ms : {0, 5, 10, 20}) {
-    const SlideTicks ticks = MeasureDelayedSlide(model, AtSpeed(way, 0.1), {0.1, delay_ms});
-    const SlideErrors errors = ErrorsOf({&ticks, 1});
-    ASSERT_GT(errors.ticks, 50u);
-    // The step leaves a touching tool between h and delta, half a micrometre, off the plane
-    // (limits::mesh); the paths are at least 5 mm deep.
-    EXPECT_LT(errors.local.max, 0.5e-6 / 5e-3) << delay_ms;
-    if (delay_ms > 0) {
-      EXPECT_GT(errors.late.max, 0.01) << delay_ms;
-    }
-  }
 }
 
 }  // namespace

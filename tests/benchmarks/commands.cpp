@@ -3,9 +3,6 @@
 #include <charconv>
 
 #include "common/error.h"
-#include "scenes/files/scene_file.h"
-#include "scenes/tree/sph_file.h"
-#include "scenes/tree/tree_source.h"
 
 namespace palpate::bench {
 
@@ -25,23 +22,6 @@ void AddRepeats(const CommandLine& command, int& repeats) {
   Add(command, "--repeats", repeats,
       "number of identical runs; 'best' is the minimum for each step")
       .Positive();
-}
-
-Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source) {
-  source.where = "--tree";
-  const Option file =
-      Add(command, "--tree", source.file,
-          "tree of the same mesh made by the Sphere-Tree Construction Toolkit (FILE.sph; none is "
-          "supplied), to measure beside the trees that are built");
-  Add(command, "--level", source.level, "level of that file, from 1; 0: the finest")
-      .Range(0, kMaxSphLevels)
-      .Needs(file);
-  return command
-      .AddText(
-          "--unit",
-          [&source](const std::string& unit) { source.metres_per_unit = MetresPerUnit(unit); },
-          std::string("unit of that file; default: ") + usual_unit)
-      .OneOf({kUnits.begin(), kUnits.end()});
 }
 
 std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text) {

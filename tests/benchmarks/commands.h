@@ -8,10 +8,6 @@
 
 #include "common/program/command_line.h"
 
-namespace palpate {
-struct TreeSource;
-}
-
 namespace palpate::bench {
 
 /// Adds an option to a command, and shows its default in --help unless that is empty.
@@ -38,12 +34,6 @@ void AddJson(const CommandLine& command, std::string& file);
 void AddModels(const CommandLine& command, std::string& folder);
 void AddPathSteps(const CommandLine& command, std::optional<int>& steps);
 void AddRepeats(const CommandLine& command, int& repeats);
-/// Adds --tree FILE.sph, --level and --unit, for a tree of the Sphere-Tree Construction Toolkit to
-/// compare with ours.
-/// @param usual_unit  default of --unit, for --help.
-/// @returns the option --unit, for commands whose other files also use it.
-Option AddTreeFile(const CommandLine& command, const char* usual_unit, TreeSource& source);
-
 /// Reads the value A..B of an option --seeds.  Throws UsageError if it is none.
 std::pair<std::uint64_t, std::uint64_t> SeedRange(const std::string& text);
 

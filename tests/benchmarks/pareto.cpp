@@ -91,7 +91,6 @@ class Pareto {
     if (!options_.only_peers) {
       PlanSlides();
       for (const std::string& scene : scenes_) PlanScene(scene);
-      Plan("what features cost", [this] { MeasureFeatures(); });
     }
     PlanPeers();
 
@@ -277,69 +276,6 @@ class Pareto {
     return deepest;
   }
 
-  // ---- what features cost
-
-  void MeasureFeatures() {
-    struct Variant {
-      const char* name;
-      Features features;
-      bool materials = true, undeclared = false;
-    };
-    constexpr auto kSpheres = ContactModel::kSpheres;
-    constexpr auto kSurface = ContactModel::kSurface;
-    const std::vector<Variant> variants = {
-        {"bare: sphere contact", {kSpheres}, false},
-        {"everything below undeclared", {kSpheres}, true, true},
-        {"surface contact", {kSurface}},
-        {"friction, chapter", {kSpheres, FrictionModel::kChapter}},
-        {"friction, Coulomb", {kSpheres, FrictionModel::kCoulomb}},
-        {"compliance, 20 kN/m", {kSpheres, FrictionModel::kOff, true}},
-        {"surface contact and Coulomb friction", {kSurface, FrictionModel::kCoulomb}},
-        {"all (soft, so touched as spheres)", {kSurface, FrictionModel::kCoulomb, true}}};
-    const std::string name = std::find(scenes_.begin(), scenes_.end(), kPeerScene) != scenes_.end()
-                                 ? kPeerScene
-                                 : scenes_.front();
-    const Scene scene = LoadForBench(name, options_.models);
-    std::vector<FeatureCost> costs(variants.size());
-    std::vector<std::unique_ptr<SceneRun>> runs(variants.size());
-    std::vector<BestOf> times(variants.size());
-    for (std::size_t v = 0; v < variants.size(); ++v) {
-      costs[v].feature = variants[v].name;
-      OrReason(costs[v].not_available, [&] {
-        Scene with = scene;
-        const Features& features = variants[v].features;
-        for (Body& object : with.objects) {
-          for (Material& material : object.materials) {
-            material = {};
-            if (!variants[v].materials) continue;
-            material.static_friction = 0.8;
-            material.dynamic_friction = 0.3;
-            // Surface contact holds for objects without soft leaves only.
-            if (variants[v].undeclared || features.compliance) material.stiffness = 2e4;
-          }
-        }
-        with.features = features;
-        runs[v] = std::make_unique<SceneRun>(std::move(with), PathOf(name));
-      });
-    }
-    // Interleaved, so that other load affects all equally; many repeats, as ratios differ little.
-    for (int r = 0; r < 2 * repeats(); ++r) {
-      for (std::size_t v = 0; v < variants.size(); ++v) {
-        if (stop_.stopped()) throw Stopped{};
-        if (runs[v]) times[v].Add(runs[v]->Time());
-      }
-    }
-    for (std::size_t v = 0; v < variants.size(); ++v) {
-      costs[v].speed = {PercentilesOf(times[v].best()), PercentilesOf(times[v].all())};
-      const Percentiles &with = costs[v].speed.best, &bare = costs.front().speed.best;
-      if (!runs[v] || !runs.front()) continue;
-      costs[v].ratio_p50 = with.p50 / bare.p50;
-      costs[v].ratio_p999 = with.p999 / bare.p999;
-    }
-    results_.feature_scene = name;
-    results_.features = std::move(costs);
-  }
-
   // ---- peers
 
   void PlanPeers() {
@@ -365,38 +301,22 @@ class Pareto {
       });
     }
     for (const PeerKind& kind : peers_) {
-      Plan("the peers' path, " + kind.name, [this, &kind] {
-        results_.peer_path.push_back(MeasurePeer(kind, {}, loaded_->poses.size()));
-      });
+      Plan("the peers' path, " + kind.name,
+           [this, &kind] { results_.peer_path.push_back(MeasurePeer(kind)); });
     }
     for (const char* object : {"cube", "ellipsoid"}) {
       Plan(fmt::format("the peers' slide, {}", object),
            [this, object] { MeasurePeerSlide({.object = object}); });
     }
-    if (options_.quick) return;
-    for (const PeerKind& kind : peers_) {
-      for (const PeerSettings& settings : {PeerSettings{0.1, 1}, PeerSettings{0.1, 4},
-                                           PeerSettings{0.02, 1}, PeerSettings{1.0, 1}}) {
-        Plan(kind.name + " set otherwise", [this, &kind, settings] {
-          PeerRun run = MeasurePeer(kind, settings, kVariantSteps);
-          run.name = fmt::format("{}, {} kg, {} sub-step{}", run.name, settings.mass,
-                                 settings.substeps, settings.substeps > 1 ? "s" : "");
-          results_.peer_variants.push_back(run);
-        });
-      }
-    }
   }
 
-  /// The first `steps` of the peers' path.
-  PeerRun MeasurePeer(const PeerKind& kind, const PeerSettings& settings, std::size_t steps) const {
+  PeerRun MeasurePeer(const PeerKind& kind) const {
     PeerRun run;
     run.id = kind.id;
     run.name = kind.name + (kind.convex ? " (hulls)" : "");
     OrReason(run.not_available, [&] {
-      const std::vector<Pose>& poses = loaded_->poses;
-      const TimedPeer timed = TimePeer(kind, ForPeers(loaded_->scene),
-                                       std::span(poses).first(std::min(steps, poses.size())),
-                                       settings, std::min(repeats(), 3), stop_);
+      const TimedPeer timed =
+          TimePeer(kind, ForPeers(loaded_->scene), loaded_->poses, std::min(repeats(), 3), stop_);
       run.speed = timed.speed;
       run.path = loaded_->judge->Judge(PosesOf(timed.steps), ForcesOf(timed.steps));
     });
@@ -435,11 +355,9 @@ class Pareto {
       PeerRun run;
       run.id = kind.id;
       run.name = kind.name;
-      add(run, [&] { return TimePeer(kind, ForPeers(scene), hand, {}, repeats(), stop_); });
+      add(run, [&] { return TimePeer(kind, ForPeers(scene), hand, repeats(), stop_); });
     }
   }
-
-  static constexpr std::size_t kVariantSteps = 4000;  ///< of the peers' path
 
   /// The scene that is being measured; only one is in memory.
   struct Loaded {

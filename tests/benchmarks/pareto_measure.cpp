@@ -72,12 +72,12 @@ PeerScene ForPeers(const Scene& scene) {
 }
 
 TimedPeer TimePeer(const PeerKind& kind, const PeerScene& scene, std::span<const Pose> X_WH,
-                   const PeerSettings& settings, int repeats, const StopSignal& stop) {
+                   int repeats, const StopSignal& stop) {
   using Clock = std::chrono::steady_clock;
   TimedPeer timed;
   BestOf best;
   for (int r = 0; r < repeats; ++r) {
-    const std::unique_ptr<Peer> peer = kind.make(scene, X_WH.front(), settings);
+    const std::unique_ptr<Peer> peer = kind.make(scene, X_WH.front());
     std::vector<double> step_us;
     std::vector<PeerStep> steps;
     step_us.reserve(X_WH.size());

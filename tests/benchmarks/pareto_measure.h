@@ -51,6 +51,6 @@ struct TimedPeer {
   std::vector<PeerStep> steps;
 };
 TimedPeer TimePeer(const PeerKind& kind, const PeerScene& scene, std::span<const Pose> X_WH,
-                   const PeerSettings& settings, int repeats, const StopSignal& stop);
+                   int repeats, const StopSignal& stop);
 
 }  // namespace palpate::bench

@@ -185,13 +185,6 @@ Json ToJson(const ParetoResults& r) {
     for (const ModelRun& run : s.runs) one["runs"].push_back(ToJson(run));
     json["scenes"].push_back(one);
   }
-  json["features"] = {{"scene", r.feature_scene}, {"costs", Json::array()}};
-  for (const FeatureCost& f : r.features) {
-    Json one{{"feature", f.feature}};
-    one.update(ToJson(static_cast<const Measured&>(f)));
-    if (f.not_available.empty()) one["ratio"] = {{"p50", f.ratio_p50}, {"p999", f.ratio_p999}};
-    json["features"]["costs"].push_back(one);
-  }
   auto& peers = json["peers"];
   peers["known"] = Json::array();
   for (const PeerKind& kind : r.peers_known) {
@@ -209,7 +202,6 @@ Json ToJson(const ParetoResults& r) {
   peers["steps"] = r.peer_steps;
   peers["path"] = ToJson(r.peer_path);
   peers["slide"] = ToJson(r.peer_slide);
-  peers["variants"] = ToJson(r.peer_variants);
   json["goals"] = Json::array();
   for (const Goal& goal : Goals(r)) {
     Json one{{"what", goal.what},

@@ -142,22 +142,6 @@ def scenes(r):
                                      "surface: best p50", "p99.9", "deepest [µm]", "slowest, p99.9"]))
 
 
-def features(r):
-    of = r["features"]
-    if not of["costs"]:
-        return "## What each feature costs\n\nNot measured.\n\n"
-    rows = Rows()
-    for f in of["costs"]:
-        rows.add(f, f["feature"], lambda: [
-            f["feature"], number(f["best_step_us"]["p50"]), number(f["best_step_us"]["p999"]), f"{f['ratio']['p50']:.2f}",
-            f"{f['ratio']['p999']:.2f}"])
-    return ("## What each feature costs\n\n"
-            f"The path of `{of['scene']}`, the same steps for each line, their repeats taken in turns. *Undeclared* is the "
-            "bare step on objects that have friction and stiffness which the scene does not declare: it should cost nothing, "
-            "a ratio of 1.\n\n" +
-            rows.text("lrrrr", ["feature", "best p50", "best p99.9", "p50 ×", "p99.9 ×"]))
-
-
 def peers(r):
     of = r["peers"]
     text = ("## Peers\n\n"
@@ -196,9 +180,6 @@ def peers(r):
                  "triangles of an ellipsoid, the same for all; errors are those of the force against the analytic object, as a "
                  "part of 1 N. The hand begins to slide at once, and a peer's body lags behind until its damper has caught up: "
                  "that is its greatest error.\n\n")
-    if of["variants"]:
-        text += ("The table in CSV also has the peers with other masses and sub-steps (*peer variant*), on the beginning of "
-                 "the same path.\n\n")
     return text
 
 
@@ -222,7 +203,7 @@ def missed(r):
 def report(r, only_peers):
     if only_peers:
         return head(r, True) + "![Penetration and force error against the time of a step](peers.svg)\n\n" + peers(r)
-    return head(r, False) + "".join(section(r) for section in (speed_against_error, slides, scenes, features, peers, missed))
+    return head(r, False) + "".join(section(r) for section in (speed_against_error, slides, scenes, peers, missed))
 
 
 # ---- CSV: every run, for spreadsheets and plots.py
@@ -252,7 +233,7 @@ def csv(r):
     for s in r["scenes"]:
         counts = [s.get(count) for count in ("tool_spheres", "object_spheres", "triangles", "steps")]
         runs += [("scene", s["scene"], run, counts) for run in s["runs"]]
-    for part, of in (("peer path", "path"), ("peer slide", "slide"), ("peer variant", "variants")):
+    for part, of in (("peer path", "path"), ("peer slide", "slide")):
         runs += [("peer slide on ellipsoid" if run.get("object") == "ellipsoid" else part, run["name"], run, [0] * 4)
                  for run in r["peers"][of]]
     return "\n".join([COLUMNS, *(csv_row(*run) for run in runs if run[2]["available"]), ""])

@@ -62,12 +62,6 @@ struct SlideResult : ModelRun {
   std::size_t spheres = 0, triangles = 0;
 };
 
-/// A feature's cost, compared with the step without features on the same path.
-struct FeatureCost : Measured {
-  std::string feature{};
-  double ratio_p50 = 0.0, ratio_p999 = 0.0;
-};
-
 struct PeerRun : Measured {
   std::string id{};      ///< PeerKind::id; empty: Palpate
   std::string name{};    ///< with its settings, as "Bullet, 4 sub-steps"
@@ -81,13 +75,11 @@ struct ParetoResults {
   Machine machine;
   std::vector<SlideResult> slides;
   std::vector<SceneResult> scenes;
-  std::string feature_scene;
-  std::vector<FeatureCost> features;
   std::vector<PeerKind> peers_known;     ///< those of PeerKinds(), then those of --peers FILE
   std::vector<std::string> peers_asked;  ///< ids
   std::string peer_scene;
   std::size_t peer_steps = 0;
-  std::vector<PeerRun> peer_path, peer_slide, peer_variants;
+  std::vector<PeerRun> peer_path, peer_slide;
 };
 
 }  // namespace palpate::bench

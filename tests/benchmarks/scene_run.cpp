@@ -15,7 +15,7 @@
 namespace palpate::bench {
 
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
-                   std::optional<ContactModel> contact, const TreeSource& tree_file) {
+                   std::optional<ContactModel> contact) {
   if (std::optional<Scene> sharp = test::MakeSharpScene(scene)) {
     if (contact) sharp->features.contact = *contact;
     return *std::move(sharp);
@@ -23,7 +23,6 @@ Scene LoadForBench(const std::string& scene, const std::string& models_dir,
   LoadOptions options;
   options.contact = contact;
   options.models_dir = models_dir;
-  if (!tree_file.built()) options.tree_file = tree_file;
   options.progress = [text = ProgressText()](std::string_view stage, double fraction) mutable {
     Progress(text(stage, fraction));
   };
@@ -37,23 +36,6 @@ std::string PosesCsv(const std::vector<Pose>& poses) {
                        X.q.y(), X.q.z());
   }
   return csv;
-}
-
-ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth) {
-  ForceDifference apart;
-  double force = 0.0, torque = 0.0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    force += truth[i].force.norm();
-    torque += truth[i].torque.norm();
-    const double off = (felt[i].force - truth[i].force).norm();
-    apart.force += off;
-    apart.force_max = std::max(apart.force_max, off);
-    apart.torque += (felt[i].torque - truth[i].torque).norm();
-  }
-  apart.force = force > 0.0 ? apart.force / force : 0.0;
-  apart.force_max *= force > 0.0 ? static_cast<double>(truth.size()) / force : 1.0;
-  apart.torque = torque > 0.0 ? apart.torque / torque : 0.0;
-  return apart;
 }
 
 SceneRun::SceneRun(Scene scene, std::vector<Pose> poses)

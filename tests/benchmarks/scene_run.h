@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "scenes/scene.h"
-#include "scenes/tree/tree_source.h"
 #include "server/physics/haptic_step.h"
 
 namespace palpate::bench {
@@ -39,18 +38,11 @@ class SceneRun {
 
 /// Loads a scene as LoadScene does, or makes one of test::kSharpScenes, and reports on stderr while
 /// something is built.
-/// @param contact    LoadOptions::contact.
-/// @param tree_file  LoadOptions::tree_file, if it names one.
+/// @param contact  LoadOptions::contact.
 Scene LoadForBench(const std::string& scene, const std::string& models_dir,
-                   std::optional<ContactModel> contact = {}, const TreeSource& tree_file = {});
+                   std::optional<ContactModel> contact = {});
 
 /// Returns poses as CSV such that --poses of cycle reads back the same bits.
 std::string PosesCsv(const std::vector<Pose>& poses);
-
-/// The differences between a path's forces and the true ones, relative to the true mean, or 0.
-struct ForceDifference {
-  double force = 0.0, force_max = 0.0, torque = 0.0;
-};
-ForceDifference DifferenceOf(const std::vector<Wrench>& felt, const std::vector<Wrench>& truth);
 
 }  // namespace palpate::bench

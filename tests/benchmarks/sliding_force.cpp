@@ -11,7 +11,6 @@
 #include "scenes/mesh/curved_mesh.h"
 #include "scenes/shapes/shapes.h"
 #include "scenes/tree/sphere_tree_builder.h"
-#include "scenes/tree/tree_import.h"
 #include "server/physics/haptic_step.h"
 #include "server/physics/scene_model.h"
 
@@ -35,20 +34,13 @@ double Truncation(const StepReport& report, const SphereTree& object) {
 
 SphereTree TreeOf(const SlidingExperiment& experiment, const TriangleMesh& mesh,
                   std::size_t spheres) {
-  if (experiment.tree.built()) {
-    return BuildSphereTree(
-        mesh, spheres,
-        [&](std::string_view stage, double done) {
-          Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres,
-                               stage, 100.0 * done));
-        },
-        experiment.tree.mode);
-  }
-  ImportedTree imported = ImportTree(experiment.tree, mesh, 1.0);
-  for (const std::string& said : {imported.found, imported.misfit}) {
-    if (!said.empty()) std::fprintf(stderr, "%s\n", said.c_str());
-  }
-  return std::move(imported.tree);
+  return BuildSphereTree(
+      mesh, spheres,
+      [&](std::string_view stage, double done) {
+        Progress(fmt::format("{} of {} spheres: {} {:.0f} % ...", experiment.object, spheres, stage,
+                             100.0 * done));
+      },
+      experiment.tree);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "scenes/scene.h"
 #include "scenes/tree/sphere_tree_builder.h"
-#include "scenes/tree/tree_source.h"
 #include "tests/benchmarks/figures.h"
 #include "tests/benchmarks/sliding_path.h"
 
@@ -40,8 +39,8 @@ struct SlidingExperiment {
   /// for contact of surfaces [m]; 0: the triangles are not refined.
   double tolerance = 3e-6;
   Features features{.contact = ContactModel::kSpheres};
-  TreeSource tree{};  ///< tree of the object; a file without a unit is in metres
-  int steps = 4000;   ///< number of steps of steady sliding
+  TreeMode tree = TreeMode::kInside;  ///< of the object
+  int steps = 4000;                   ///< number of steps of steady sliding
   int repeats = 5;
 
   bool cube() const { return object == "cube"; }
@@ -49,7 +48,7 @@ struct SlidingExperiment {
 SlidingPath PathOf(const SlidingExperiment& experiment);
 /// Makes the object's mesh, without refinement.
 TriangleMesh ObjectMesh(const SlidingExperiment& experiment, std::size_t triangles);
-/// Makes the scene of ball and object, whose tree has `spheres` leaves, or those of its file.
+/// Makes the scene of ball and object, whose tree has `spheres` leaves.
 Scene SlidingScene(const SlidingExperiment& experiment, std::size_t spheres);
 
 struct SlidingForce {

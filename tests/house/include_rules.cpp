@@ -267,9 +267,6 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {
     {"BulletCollision/", "Bullet"},
     {"mujoco/", "MuJoCo"},
     {"ode/", "ODE"},
-    {"forces/", "CHAI3D"},
-    {"world/", "CHAI3D"},
-    {"version.h", "CHAI3D"},
 };
 
 // Slow to compile: in .cpp files only.

@@ -114,7 +114,7 @@ TEST(Scripts, TeachAndRefuseLikeThePrograms) {
        {"deploy/demo", "deploy/setup", "deploy/package", "deploy/wheel", "deploy/container/run",
         "tests/run", "tests/deploy/try_packages", "tests/deploy/try_containers",
         "tests/deploy/try_pod", "tests/deploy/try_services", "tests/benchmarks/capacity_model",
-        "tests/benchmarks/publish", "tests/benchmarks/peers/chai3d"}) {
+        "tests/benchmarks/publish"}) {
     const std::string path = std::string(PALPATE_SOURCE_DIR) + "/" + script;
     const Output help = RunCommand({path, "--help"});
     EXPECT_EQ(help.exit_code, 0) << script;

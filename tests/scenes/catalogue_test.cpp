@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -16,8 +15,6 @@
 #include "scenes/files/scene_file.h"
 #include "scenes/mesh/mesh_report.h"
 #include "scenes/scene_verdict.h"
-#include "scenes/tree/sph_file.h"
-#include "scenes/tree/tree_error.h"
 #include "tests/scenes/support.h"
 #include "tests/support/read_file.h"
 
@@ -88,16 +85,6 @@ class LoadedScene : public testing::Test {
     }
     return files;
   }
-  /// Builds a tree with that many leaves, and writes it in millimetres and displaced.
-  SphereTree WriteTree(int leaves, const Vec3& moved) {
-    const SphereTree tree = Load(SceneText(leaves)).objects[0].tree;
-    SphTree sph = SphOf(tree);
-    for (SphTree::Node& node : sph.nodes) node.ball.centre += moved;
-    WriteFile(folder_ + "/box.sph", ToSph(sph, 1e-3));
-    told_.clear();
-    return tree;
-  }
-
   std::string folder_ = FreshFolder(), scene_ = folder_ + "/s.json";
   LoadOptions options_;
   std::vector<std::string> warnings_, told_;
@@ -267,60 +254,6 @@ TEST_F(LoadedScene, RefusesSpringsThatTheStepCannotComputeWith) {
   Load();
   write(R"({"shape": "sphere", "radius_m": 0.005}, "leaves": 1)", "1e-4");
   Load();  // no contact turns a ball
-}
-
-/// The fixture's scene, with its object's leaves from a file.
-std::string TreeText(const std::string& tree) {
-  return R"({"tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
-  "objects": [{"name": "box", "mesh": {"file": "box.obj", "unit": "mm"},
-               "tree": )" +
-         tree + "}]}";
-}
-
-TEST_F(LoadedScene, TakesLeavesFromAFileAndMovesThemToTheMesh) {
-  const Vec3 moved(-0.03, 0.01, 0.005);
-  const SphereTree built = WriteTree(700, moved);
-  const Body body = Load(TreeText(R"({"file": "box.sph"})")).objects[0];
-  ASSERT_EQ(body.tree.leaves(), 700u);
-  EXPECT_THAT(body.remarks, IsEmpty());
-  EXPECT_THAT(told_, ElementsAre(AllOf(HasSubstr("box: "), HasSubstr("box.sph: level 5 of 5"),
-                                       HasSubstr("700 balls, moved by (30."))));
-  // A thousandth of the diagonal, the accuracy of the shift.
-  const SphereQuery leaves(BallsByLevel(built).back());
-  const std::vector<Sphere> read = BallsByLevel(body.tree).back();
-  for (const Sphere& ball : read) EXPECT_LT(leaves.Nearest(ball.centre).distance, 17e-6);
-  EXPECT_EQ(body.tree.leaf_triangle_begin.size(), 701u);
-  EXPECT_EQ(std::set<std::uint32_t>(body.tree.leaf_triangle.begin(), body.tree.leaf_triangle.end())
-                .size(),
-            body.mesh.triangles.size());
-  // The cache knows the file: it is not read again unless it changes.
-  EXPECT_EQ(PackScene(Load()), PackScene(Load()));
-  const std::size_t cached = Cached().size();
-  WriteTree(70, moved);
-  WriteFile(scene_, TreeText(R"({"file": "box.sph"})"));
-  EXPECT_EQ(Load().objects[0].tree.leaves(), 70u);
-  EXPECT_EQ(Cached().size(), cached + 2);
-}
-
-TEST_F(LoadedScene, TakesTheLevelAndTheUnitThatItIsTold) {
-  const SphereTree built = WriteTree(70, Vec3::Zero());
-  const auto load = [&](const std::string& tree) { return Load(TreeText(tree)).objects[0].tree; };
-  // Level 1 is the root, for which our trees have no node.
-  EXPECT_EQ(load(R"({"file": "box.sph", "level": 1})").leaves(), 1u);
-  EXPECT_EQ(load(R"({"file": "box.sph", "level": 2})").leaves(), 2u);
-  EXPECT_EQ(load(R"({"file": "box.sph", "level": 3})").leaves(), 9u);
-  EXPECT_EQ(load(R"({"file": "box.sph", "level": 4})").leaves(), 70u);
-  const SphereTree still = load(R"({"file": "box.sph", "align": false, "unit": "mm"})");
-  EXPECT_NEAR(still.leaf_x[0], built.leaf_x[0], 1e-9);
-  EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "box.sph", "level": 5})"); }),
-              AllOf(HasSubstr("s.json:3: objects[0].tree: "), HasSubstr("there is no level 5"),
-                    HasSubstr("to 4, its finest")));
-  EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "box.sph", "unit": "m"})"); }),
-              AllOf(HasSubstr("objects[0].tree: "),
-                    HasSubstr("box.sph: the bounding box of its spheres is"),
-                    HasSubstr("give the \"unit\"")));
-  EXPECT_THAT(ComplaintOf([&] { load(R"({"file": "none.sph"})"); }),
-              AllOf(HasSubstr("objects[0].tree: "), HasSubstr("none.sph: No such file")));
 }
 
 std::string WithLeaves(const std::string& leaves, const std::string& more = "") {

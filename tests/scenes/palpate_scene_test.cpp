@@ -84,30 +84,6 @@ TEST_F(PalpateScene, TellsHowFarEachLevelIsFromTheMeshAndInWhichMode) {
   Run("build " + scene + " --tolerance-um 0", 2);
 }
 
-TEST_F(PalpateScene, ExportsTreesAndTakesThemBack) {
-  const std::string egg = EggScene();
-  const std::string file = folder + "/e.sph";
-  EXPECT_THAT(Run("export " + egg + " -o " + file),
-              HasSubstr("wrote " + file + ": the tree of egg"));
-  Run("export " + egg + " --level 4 -o " + folder + "/f.sph", 2);
-  Write("s.json", R"({
-    "tools": [{"name": "ball", "mesh": {"shape": "sphere", "radius_m": 0.005}, "leaves": 1}],
-    "objects": [{"name": "egg", "tree": {"file": "e.sph", "unit": "mm"},
-                 "mesh": {"shape": "ellipsoid", "semi_axes_m": [0.04, 0.025, 0.03]}}]})");
-  const std::string build = Run("build " + folder + "/s.json --mode cover");
-  EXPECT_THAT(build, HasSubstr("egg: " + folder + "/e.sph: level 4 of 4, 512 balls, moved by"));
-  EXPECT_THAT(build, HasSubstr("objects[0].tree: is a tree from a file"));
-  EXPECT_THAT(build, HasSubstr("object egg: 512 leaves in 3 levels"));
-
-  const std::string body = Run("export " + egg + " --body eg -o " + folder + "/f.sph", 2);
-  EXPECT_THAT(body, HasSubstr("did you mean \"egg\"?"));
-  const std::string ball = Run("export " + egg + " --body ball -o " + folder + "/f.sph");
-  EXPECT_THAT(ball, HasSubstr("the tree of ball"));
-  const std::string ending = Run("export " + egg + " -o " + folder + "/f.obj", 2);
-  EXPECT_THAT(ending, HasSubstr("written as .sph"));
-  EXPECT_FALSE(Exists("f.obj"));
-}
-
 TEST_F(PalpateScene, SaysWhatAModeCanBeAndOfWhat) {
   const std::string unknown = Run("build " + EggScene() + " --mode outside", 2);
   EXPECT_THAT(unknown, HasSubstr("inside"));

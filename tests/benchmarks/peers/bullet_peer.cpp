@@ -59,10 +59,9 @@ struct BulletMesh {
 
 class Bullet : public Peer {
  public:
-  Bullet(const PeerScene& scene, const Pose& start, const PeerSettings& settings)
+  Bullet(const PeerScene& scene, const Pose& start)
       : centroid_(scene.centroid),
-        substeps_(settings.substeps),
-        coupling_(scene.coupling, settings, Centred(start)),
+        coupling_(scene.coupling, Centred(start)),
         dispatcher_(&configuration_),
         world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
@@ -91,15 +90,12 @@ class Bullet : public Peer {
 
   PeerStep Step(const Pose& X_WH) override {
     coupling_.MoveHand(Centred(X_WH));
-    for (int i = 0; i < substeps_; ++i) {
-      const Wrench pull = coupling_.Pull(ToolCentre(),
-                                         {FromBullet(tool_->getLinearVelocity()) / kUnits,
-                                          FromBullet(tool_->getAngularVelocity())},
-                                         i, substeps_);
-      tool_->applyCentralForce(ToBullet(kUnits * pull.force));
-      tool_->applyTorque(ToBullet(kUnits * kUnits * pull.torque));
-      world_.stepSimulation(static_cast<btScalar>(1e-3 / substeps_), 0);
-    }
+    const Wrench pull = coupling_.Pull(
+        ToolCentre(),
+        {FromBullet(tool_->getLinearVelocity()) / kUnits, FromBullet(tool_->getAngularVelocity())});
+    tool_->applyCentralForce(ToBullet(kUnits * pull.force));
+    tool_->applyTorque(ToBullet(kUnits * kUnits * pull.torque));
+    world_.stepSimulation(static_cast<btScalar>(1e-3), 0);
     PeerStep step{ToolCentre(), coupling_.on_hand(), 0};
     step.X_WG.p = step.X_WG * -centroid_;
     for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
@@ -127,7 +123,6 @@ class Bullet : public Peer {
   }
 
   Vec3 centroid_;
-  int substeps_;
   VirtualCoupling coupling_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
@@ -152,8 +147,8 @@ PeerKind BulletPeer() {
               "a margin of 20 µm on each mesh, so that they rest 40 µm apart, a unit of 1 cm (its "
               "manual asks for bodies "
               "above 0.2 units), 50 iterations; a pair of bodies keeps 4 contacts",
-          .make = [](const PeerScene& scene, const Pose& start, const PeerSettings& settings) {
-            return std::make_unique<Bullet>(scene, start, settings);
+          .make = [](const PeerScene& scene, const Pose& start) {
+            return std::make_unique<Bullet>(scene, start);
           }};
 }
 

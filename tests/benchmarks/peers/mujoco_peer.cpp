@@ -22,8 +22,7 @@ std::string MeshAsset(const std::string& name, const TriangleMesh& mesh, const V
 }
 
 /// The scene in MuJoCo's MJCF.
-std::string Mjcf(const PeerScene& scene, const VirtualCoupling& coupling,
-                 const PeerSettings& settings) {
+std::string Mjcf(const PeerScene& scene, const VirtualCoupling& coupling) {
   std::string assets, bodies;
   std::string tool = "type=\"mesh\" mesh=\"tool\"";
   if (scene.ball) {
@@ -49,9 +48,8 @@ std::string Mjcf(const PeerScene& scene, const VirtualCoupling& coupling,
 {}<body name="tool"><freejoint/>
 <inertial pos="0 0 0" mass="{:.17g}" diaginertia="{:.17g} {:.17g} {:.17g}"/><geom {}/></body>
 </worldbody></mujoco>)",
-                     1e-3 / settings.substeps, 2e-3 / settings.substeps, assets, bodies,
-                     coupling.mass(), coupling.inertia(), coupling.inertia(), coupling.inertia(),
-                     tool);
+                     1e-3, 2e-3, assets, bodies, coupling.mass(), coupling.inertia(),
+                     coupling.inertia(), coupling.inertia(), tool);
 }
 
 mjModel* Compile(const std::string& xml) {
@@ -68,11 +66,10 @@ mjModel* Compile(const std::string& xml) {
 
 class Mujoco : public Peer {
  public:
-  Mujoco(const PeerScene& scene, const Pose& start, const PeerSettings& settings)
+  Mujoco(const PeerScene& scene, const Pose& start)
       : centroid_(scene.centroid),
-        substeps_(settings.substeps),
-        coupling_(scene.coupling, settings, Centred(start)),
-        model_(Compile(Mjcf(scene, coupling_, settings))),
+        coupling_(scene.coupling, Centred(start)),
+        model_(Compile(Mjcf(scene, coupling_))),
         data_(mj_makeData(model_.get())),
         tool_(mj_name2id(model_.get(), mjOBJ_BODY, "tool")) {
     const Pose X = Centred(start);
@@ -82,18 +79,15 @@ class Mujoco : public Peer {
 
   PeerStep Step(const Pose& X_WH) override {
     coupling_.MoveHand(Centred(X_WH));
-    for (int i = 0; i < substeps_; ++i) {
-      const Pose X = ToolCentre();
-      // A free joint's angular velocity is in the body's frame.
-      const Wrench pull =
-          coupling_.Pull(X, {Vec3(data_->qvel), X.q * Vec3(data_->qvel + 3)}, i, substeps_);
-      mjtNum* applied = data_->xfrc_applied + 6 * tool_;
-      for (int k = 0; k < 3; ++k) {
-        applied[k] = pull.force[k];
-        applied[k + 3] = pull.torque[k];
-      }
-      mj_step(model_.get(), data_.get());
+    const Pose X = ToolCentre();
+    // A free joint's angular velocity is in the body's frame.
+    const Wrench pull = coupling_.Pull(X, {Vec3(data_->qvel), X.q * Vec3(data_->qvel + 3)});
+    mjtNum* applied = data_->xfrc_applied + 6 * tool_;
+    for (int k = 0; k < 3; ++k) {
+      applied[k] = pull.force[k];
+      applied[k + 3] = pull.torque[k];
     }
+    mj_step(model_.get(), data_.get());
     PeerStep step{ToolCentre(), coupling_.on_hand(), data_->ncon};
     step.X_WG.p = step.X_WG * -centroid_;
     return step;
@@ -111,7 +105,6 @@ class Mujoco : public Peer {
   };
 
   Vec3 centroid_;
-  int substeps_;
   VirtualCoupling coupling_;
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
@@ -131,8 +124,8 @@ PeerKind MujocoPeer() {
               "parts is its user's to make, and was not made); a ball by its own sphere; contacts "
               "as stiff as 1 kHz allows (solref 2 ms, solimp 0.95 0.99)",
           .convex = true,
-          .make = [](const PeerScene& scene, const Pose& start, const PeerSettings& settings) {
-            return std::make_unique<Mujoco>(scene, start, settings);
+          .make = [](const PeerScene& scene, const Pose& start) {
+            return std::make_unique<Mujoco>(scene, start);
           }};
 }
 

@@ -41,10 +41,8 @@ struct OdeMesh {
 
 class Ode : public Peer {
  public:
-  Ode(const PeerScene& scene, const Pose& start, const PeerSettings& settings)
-      : centroid_(scene.centroid),
-        substeps_(settings.substeps),
-        coupling_(scene.coupling, settings, Centred(start)) {
+  Ode(const PeerScene& scene, const Pose& start)
+      : centroid_(scene.centroid), coupling_(scene.coupling, Centred(start)) {
     static std::once_flag once;
     std::call_once(once, [] { dInitODE2(0); });
     dAllocateODEDataForThread(dAllocateMaskAll);
@@ -87,18 +85,14 @@ class Ode : public Peer {
 
   PeerStep Step(const Pose& X_WH) override {
     coupling_.MoveHand(Centred(X_WH));
+    const Wrench pull = coupling_.Pull(
+        ToolCentre(), {FromOde(dBodyGetLinearVel(tool_)), FromOde(dBodyGetAngularVel(tool_))});
+    dBodyAddForce(tool_, pull.force.x(), pull.force.y(), pull.force.z());
+    dBodyAddTorque(tool_, pull.torque.x(), pull.torque.y(), pull.torque.z());
     int contacts = 0;
-    for (int i = 0; i < substeps_; ++i) {
-      const Wrench pull = coupling_.Pull(
-          ToolCentre(), {FromOde(dBodyGetLinearVel(tool_)), FromOde(dBodyGetAngularVel(tool_))}, i,
-          substeps_);
-      dBodyAddForce(tool_, pull.force.x(), pull.force.y(), pull.force.z());
-      dBodyAddTorque(tool_, pull.torque.x(), pull.torque.y(), pull.torque.z());
-      contacts = 0;
-      for (dGeomID object : objects_) contacts += Collide(object);
-      dWorldQuickStep(world_, 1e-3 / substeps_);
-      dJointGroupEmpty(contacts_);
-    }
+    for (dGeomID object : objects_) contacts += Collide(object);
+    dWorldQuickStep(world_, 1e-3);
+    dJointGroupEmpty(contacts_);
     PeerStep step{ToolCentre(), coupling_.on_hand(), contacts};
     step.X_WG.p = step.X_WG * -centroid_;
     return step;
@@ -124,7 +118,6 @@ class Ode : public Peer {
   }
 
   Vec3 centroid_;
-  int substeps_;
   VirtualCoupling coupling_;
   dWorldID world_;
   dJointGroupID contacts_;
@@ -145,8 +138,8 @@ PeerKind OdePeer() {
           .settings =
               "trimesh against trimesh (OPCODE), a ball by its own sphere; QuickStep, "
               "with the iterations, ERP and CFM that it comes with",
-          .make = [](const PeerScene& scene, const Pose& start, const PeerSettings& settings) {
-            return std::make_unique<Ode>(scene, start, settings);
+          .make = [](const PeerScene& scene, const Pose& start) {
+            return std::make_unique<Ode>(scene, start);
           }};
 }
 

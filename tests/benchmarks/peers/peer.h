@@ -27,12 +27,6 @@ struct PeerScene {
   Coupling coupling{};
 };
 
-/// Settings of a peer, besides those that its own file chooses and explains.
-struct PeerSettings {
-  double mass = 0.1;  ///< of the tool [kg]
-  int substeps = 1;   ///< number per millisecond
-};
-
 /// @field X_WG      pose of the peer's tool after the step.
 /// @field wrench    wrench of the spring between X_WH and X_WG on the hand (chapter 2.20-2.24).
 struct PeerStep {
@@ -58,8 +52,7 @@ struct PeerKind {
   std::string settings{};
   bool convex = false;  ///< it uses the convex hulls of meshes for collisions, not the meshes
   /// Makes a peer at rest at X_WG = `start`.  Throws Error.
-  std::function<std::unique_ptr<Peer>(const PeerScene&, const Pose& start, const PeerSettings&)>
-      make{};
+  std::function<std::unique_ptr<Peer>(const PeerScene&, const Pose& start)> make{};
 
   bool installed() const { return !version.empty(); }
 };
@@ -71,7 +64,7 @@ const std::vector<PeerKind>& PeerKinds();
 /// kinds, whose `package` it leaves empty:
 ///   extern "C" void PalpatePeers(std::vector<palpate::bench::PeerKind>& kinds);
 /// It is built with this header, and with the compiler and instruction set of palpate-bench, since
-/// objects of C++ cross between them.  chai3d_peer/ is an example.
+/// objects of C++ cross between them.
 inline constexpr const char* kPeersFunction = "PalpatePeers";
 using AddPeerKinds = void(std::vector<PeerKind>& kinds);
 

@@ -20,7 +20,7 @@ extern "C" void PalpatePeers(std::vector<palpate::bench::PeerKind>& kinds) {
                    .package = "",
                    .version = "1",
                    .settings = "goes where the hand is, a ball only",
-                   .make = [](const PeerScene& scene, const palpate::Pose&, const PeerSettings&) {
+                   .make = [](const PeerScene& scene, const palpate::Pose&) {
                      if (!scene.ball) throw palpate::Error("it has a ball only");
                      return std::make_unique<Ghost>();
                    }});

@@ -23,7 +23,7 @@ class InstalledPeers : public testing::TestWithParam<PeerKind> {
   PeerStep Rest(PeerScene scene, double clearance) const {
     scene.objects = {{&cube_, {}}};
     const double rest = 0.5 * kCube + clearance;
-    const auto peer = GetParam().make(scene, {Vec3(0.003, rest + 1e-3, 0.004)}, {});
+    const auto peer = GetParam().make(scene, {Vec3(0.003, rest + 1e-3, 0.004)});
     PeerStep step;
     for (int i = 1; i <= 1000; ++i) {
       const double moved = 2e-3 * std::min(1.0, i / 200.0);
@@ -63,7 +63,7 @@ TEST_P(InstalledPeers, StandWhereTheHandIsInFreeSpace) {
   const PeerScene scene{
       .tool = &box, .centroid = Vec3(0.1, 0.2, 0.3), .objects = {{&cube_, {Vec3(0, -1, 0)}}}};
   const Pose hand{Vec3(0.2, 0.1, 0.0), Quat(0.6, 0.0, 0.8, 0.0)};
-  const auto peer = GetParam().make(scene, hand, {});
+  const auto peer = GetParam().make(scene, hand);
   for (int i = 0; i < 100; ++i) {
     const PeerStep step = peer->Step(hand);
     EXPECT_LT(step.wrench.force.norm(), 1e-9);
@@ -104,9 +104,9 @@ TEST(PeersOfALibrary, AreMadeLikeThoseThatAreBuiltIn) {
   EXPECT_EQ(kinds[0].package, "palpate_peer_for_tests.so");
   const Pose hand{Vec3(1.0, 2.0, 3.0)};
   const TriangleMesh ball = MakeSphere(kRadius, 320);
-  const auto peer = kinds[0].make({.tool = &ball, .ball = kRadius}, hand, {});
+  const auto peer = kinds[0].make({.tool = &ball, .ball = kRadius}, hand);
   EXPECT_EQ(peer->Step(hand).X_WG.p, hand.p);
-  EXPECT_THROW(kinds[0].make({.tool = &ball}, hand, {}), Error) << "its error is the project's";
+  EXPECT_THROW(kinds[0].make({.tool = &ball}, hand), Error) << "its error is the project's";
 }
 
 TEST(PeersOfALibrary, NameTheFileThatHasNone) {

@@ -9,12 +9,10 @@ namespace {
 constexpr double kStep = 1e-3;  // [s]
 }
 
-VirtualCoupling::VirtualCoupling(const Coupling& coupling, const PeerSettings& settings,
-                                 const Pose& start)
+VirtualCoupling::VirtualCoupling(const Coupling& coupling, const Pose& start)
     : coupling_(coupling),
-      mass_(settings.mass),
-      inertia_(settings.mass * coupling.torsional_stiffness / coupling.stiffness),
-      damping_(2.0 * std::sqrt(coupling.stiffness * mass_)),
+      inertia_(kMass * coupling.torsional_stiffness / coupling.stiffness),
+      damping_(2.0 * std::sqrt(coupling.stiffness * kMass)),
       torsional_damping_(2.0 * std::sqrt(coupling.torsional_stiffness * inertia_)),
       X_WH_(start) {}
 
@@ -23,12 +21,9 @@ void VirtualCoupling::MoveHand(const Pose& X_WH) {
   X_WH_ = X_WH;
 }
 
-Wrench VirtualCoupling::Pull(const Pose& X_WG, const Twist& V_WG, int i, int n) {
-  const double ahead = -kStep * (n - 1 - i) / n;  // the hand is at X_WH_ in the last sub-step
-  const Vec3 p_WH = X_WH_.p + ahead * V_WH_.v;
-  const Quat q_WH = RotationExp(ahead * V_WH_.w) * X_WH_.q;
-  on_hand_ = {coupling_.stiffness * (X_WG.p - p_WH),
-              coupling_.torsional_stiffness * RotationLog(X_WG.q * q_WH.conjugate())};
+Wrench VirtualCoupling::Pull(const Pose& X_WG, const Twist& V_WG) {
+  on_hand_ = {coupling_.stiffness * (X_WG.p - X_WH_.p),
+              coupling_.torsional_stiffness * RotationLog(X_WG.q * X_WH_.q.conjugate())};
   return {damping_ * (V_WH_.v - V_WG.v) - on_hand_.force,
           torsional_damping_ * (V_WH_.w - V_WG.w) - on_hand_.torque};
 }

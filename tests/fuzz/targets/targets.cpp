@@ -29,7 +29,6 @@
 #include "scenes/mesh/mesh_spike.h"
 #include "scenes/scene_verdict.h"
 #include "scenes/shapes/shapes.h"
-#include "scenes/tree/sph_file.h"
 #include "scenes/tree/sphere_tree_builder.h"
 #include "server/physics/scene_model.h"
 #include "tests/support/written_mesh.h"
@@ -268,24 +267,6 @@ bool Script(const std::uint8_t* bytes, std::size_t size) {
   });
 }
 
-bool Sph(const std::uint8_t* bytes, std::size_t size) {
-  return ReadOrRefused("fuzzed.sph:", [&] {
-    const SphTree tree = ParseSph(Text(bytes, size), "fuzzed.sph", 1e-3);
-    // No more room was made than the text could fill.
-    Check(tree.nodes.size() <= size, "more nodes than bytes");
-    for (const SphTree::Node& node : tree.nodes) {
-      Check(node.ball.centre.allFinite() && std::isfinite(node.ball.radius) &&
-                std::isfinite(node.importance),
-            "a ball that is none");
-    }
-    for (int level = 1; level <= tree.levels; ++level) {
-      const std::vector<Sphere> balls = BallsOfLevel(tree, level);
-      for (const Sphere& ball : balls) Check(ball.radius > 0.0, "a ball without a radius");
-      Check(level < tree.levels || !balls.empty(), "no leaves");
-    }
-  });
-}
-
 constexpr std::array kMeshNames{"a.obj", "a.stl", "a.ply", "a.gltf", "a.glb"};
 
 bool MeshFile(const std::uint8_t* bytes, std::size_t size) {
@@ -412,11 +393,6 @@ const std::vector<Target>& AllTargets() {
   static const std::vector<Target> targets = {
       {"scene_file", SceneFile, [] { return Catalogue(".json"); }},
       {"script", Script, [] { return Catalogue(".path.json"); }},
-      {"sph", Sph,
-       [] {
-         const TriangleMesh egg = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 320);
-         return std::vector<std::string>{ToSph(SphOf(BuildSphereTree(egg, 20), 2), 1e-3)};
-       }},
       {"mesh_file", MeshFile,
        [] {
          std::vector<std::string> seeds;

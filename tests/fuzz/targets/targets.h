@@ -12,7 +12,6 @@ namespace palpate::fuzz {
 /// aborts.
 bool SceneFile(const std::uint8_t* bytes, std::size_t size);  ///< JSON that people write
 bool Script(const std::uint8_t* bytes, std::size_t size);     ///< a hand's path, JSON too
-bool Sph(const std::uint8_t* bytes, std::size_t size);        ///< sphere trees of the toolkit
 bool MeshFile(const std::uint8_t* bytes, std::size_t size);   ///< the first byte names the format
 bool Bundle(const std::uint8_t* bytes, std::size_t size);     ///< a stored scene without its header
 bool Recording(const std::uint8_t* bytes, std::size_t size);  ///< MCAP

@@ -155,7 +155,7 @@ TEST(SphereTreeBuilder, GivesLargeTrianglesToAllLeavesThatTouchThem) {
 
 TEST(SphereTreeBuilder, GivesTheSameBytesAgain) {
   const TriangleMesh mesh = MakeEllipsoid(Vec3(0.04, 0.025, 0.03), 1280);
-  for (const TreeMode mode : {TreeMode::kInside, TreeMode::kBalanced, TreeMode::kCover}) {
+  for (const TreeMode mode : {TreeMode::kInside, TreeMode::kBalanced}) {
     const auto bytes = [&] { return BytesOf(mesh, BuildSphereTree(mesh, 100, {}, mode)); };
     EXPECT_EQ(bytes(), bytes()) << NameOf(mode);
   }
@@ -196,72 +196,6 @@ TEST(SphereTreeBuilder, BalancesLeavesRoundTheSurface) {
     // 1/40 of the spacing, plus rounding.
     EXPECT_LT(after.protrusion.max, 0.026 * spacing);
   }
-}
-
-/// Whether balls cover all of a triangle: one ball does, or its quarters are covered; a piece
-/// smaller than `least` counts if the balls come within `least` of it.
-bool AreHeld(const SphereQuery& query, const std::vector<Sphere>& balls, const Vec3& a,
-             const Vec3& b, const Vec3& c, double least) {
-  const auto holds = [&](const Sphere& ball, const Vec3& x) {
-    return (x - ball.centre).norm() <= ball.radius;
-  };
-  const Vec3 middle = (a + b + c) / 3.0;
-  for (const std::uint32_t k : query.NearestFew(middle, 8)) {
-    if (holds(balls[k], a) && holds(balls[k], b) && holds(balls[k], c)) return true;
-  }
-  if ((b - a).norm() + (c - a).norm() < least) return query.Nearest(middle).distance <= least;
-  const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
-  return AreHeld(query, balls, a, ab, ca, least) && AreHeld(query, balls, ab, b, bc, least) &&
-         AreHeld(query, balls, ca, bc, c, least) && AreHeld(query, balls, ab, bc, ca, least);
-}
-
-std::size_t TrianglesNotHeld(const TriangleMesh& mesh, const SphereTree& tree) {
-  const std::vector<Sphere> balls = BallsByLevel(tree).back();
-  const SphereQuery query(balls);
-  const MeshReport report = InspectMesh(mesh);
-  const double least = 1e-6 * (report.box_max - report.box_min).norm();
-  std::size_t bare = 0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
-    bare += !AreHeld(query, balls, a, b, c, least);
-  }
-  return bare;
-}
-
-TEST(SphereTreeBuilder, HoldsEveryTriangleInItsLeaves) {
-  TriangleMesh open = MakeSphere(0.03, 1280);
-  open.triangles.resize(900);
-  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03), open,
-                                   MakeEllipsoid(Vec3(0.05, 0.002, 0.03), 1280)}) {
-    for (const std::size_t count : {1, 7, 100}) {
-      const SphereTree tree = BuildSphereTree(mesh, count, {}, TreeMode::kCover);
-      ASSERT_EQ(tree.leaves(), count);
-      EXPECT_EQ(TrianglesNotHeld(mesh, tree), 0u) << count;
-    }
-  }
-  // The oracle notices a leaf that is too small.
-  const TriangleMesh box = MakeBox(Vec3(0.05, 0.04, 0.03));
-  SphereTree tree = BuildSphereTree(box, 64, {}, TreeMode::kCover);
-  tree.leaf_radius[5] *= 0.9;
-  EXPECT_GT(TrianglesNotHeld(box, tree), 0u);
-  EXPECT_GT(TrianglesNotHeld(box, BuildSphereTree(box, 64)), 0u);
-}
-
-TEST(SphereTreeBuilder, CoversAsCloselyAsItCan) {
-  for (const TriangleMesh& mesh : {MakeBox(Vec3(0.05, 0.04, 0.03)), MakeBumpy(0.03)}) {
-    Body inside, cover;
-    inside.mesh = cover.mesh = mesh;
-    inside.tree = BuildSphereTree(mesh, 200);
-    cover.tree = BuildSphereTree(mesh, 200, {}, TreeMode::kCover);
-    // The protrusion if all inner leaves were grown until nothing is uncovered.
-    const double grown = MeasureCoverage(mesh, inside.tree).uncovered.max;
-    const Coverage covered = MeasureCoverage(mesh, cover.tree);
-    EXPECT_EQ(covered.uncovered.max, 0.0);
-    EXPECT_LT(covered.outside.max, 0.9 * grown);
-  }
-  const TriangleMesh ball = MakeSphere(0.03, 5120);
-  EXPECT_LT(MeasureCoverage(ball, BuildSphereTree(ball, 1, {}, TreeMode::kCover)).outside.max,
-            0.002 * 0.03);
 }
 
 TEST(SphereTreeBuilder, MakesOfItsOwnLeavesTheSameTreeAgain) {

@@ -101,9 +101,6 @@ TEST(TreeError, MeasuresEveryLevelAndSaysWhatItIs) {
   }
   EXPECT_THAT(ToText(error), HasSubstr("3, leaves"));
   EXPECT_THAT(ToText(error), HasSubstr("1, bounds"));
-  const std::string csv = ToCsv(error, "inside", true);
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
-  EXPECT_THAT(csv, HasSubstr("box,inside,3,leaves,100,"));
   EXPECT_THAT(ToJsonText(error), HasSubstr("\"kind\":\"leaves\",\"spheres\":100"));
 }
 
