@@ -38,7 +38,7 @@ void World::Hear(std::size_t tool, std::uint32_t hand) noexcept {
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     Tool& other = *tools_[i];
     if (other.hand == 0 || other.hand == hand) continue;
-    if (++other.silent[tool] > kPatience) Fade(i);
+    if (++other.silent[tool] > std::max(kPatience, kPauses * other.pause)) Fade(i);
   }
 }
 
@@ -60,9 +60,11 @@ bool World::MeetsOthers(std::size_t tool, const Pose& X_WG) noexcept {
 bool World::Place(std::size_t tool, std::uint32_t hand, const Pose& X_WG) noexcept {
   Tool& placed = *tools_[tool];
   if (is_shared()) {
-    if ((placed.hand != 0 && placed.hand != hand) || MeetsOthers(tool, X_WG)) return false;
+    if (placed.hand != 0 && placed.hand != hand) return false;
     LetGo(tool);
+    if (MeetsOthers(tool, X_WG)) return false;
     placed.state = placed.fresh;
+    placed.pause = kFirstPauses;
   }
   placed.hand = hand;
   placed.state.X_WG = X_WG;
@@ -88,6 +90,7 @@ const StepReport& World::Step(std::size_t tool, const Pose& X_WH) noexcept {
   ToolStep& step = steps_[tool];
   const double gain = step.share + kGainUp;
   if (is_shared()) {
+    moved.pause += (std::ranges::max(moved.silent) - moved.pause) / 8.0;
     moved.silent.fill(0);
     step.share = std::min(1.0, gain);
     step.X_WH = X_WH;

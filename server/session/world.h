@@ -37,8 +37,11 @@ class PriorityMutex {
 /// Thread contract: everything but MakeHand during a Turn.
 class World {
  public:
-  /// How many poses of another hand a tool waits for its own, before its spring fades.
-  static constexpr std::uint32_t kPatience = 25;
+  /// How many poses of another hand a tool waits for its own, before its spring fades: at least
+  /// these, and so many times as many as it usually takes, as that of a mouse beside an arm.
+  static constexpr double kPatience = 25.0;
+  static constexpr double kPauses = 8.0;
+  static constexpr double kFirstPauses = 12.0;    ///< what a new hand is taken to need
   static constexpr double kGainUp = 1.0 / 200.0;  ///< per pose: 200 ms from none to full force
   static constexpr double kGainDown = 1.0 / 20.0;
 
@@ -98,6 +101,7 @@ class World {
     std::uint32_t hand = 0;  ///< that holds it; 0: it is not there
     /// By tool: number of poses of others that have come to it since this one's last.
     std::array<std::uint32_t, kMostTools> silent{};
+    double pause = kFirstPauses;  ///< usual greatest of these, when its own pose comes
   };
   /// The frame of a tool in the model of one that is listed before it.
   BodyFrame& FrameOf(std::size_t tool, std::size_t before) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -216,6 +217,26 @@ TEST(World, LetsNoToolBeginInsideAnotherWithoutTouchingIt) {
   }
 }
 
+// A mouse is answered less often than an arm: it is slow, not dead.
+TEST(World, WaitsForASlowHandAsLongAsItUsuallyTakes) {
+  for (const int pause : {5, 20, 60}) {
+    Hands hands(Boxes(2));
+    hands.Begin(0, At(0.0, 0.011));
+    hands.loop(1).Start(At(0.0, 0.0));
+    for (int i = 0; i < 20000; ++i) {
+      const wire::Wrench answer = hands.Send(0, At(0.0, 0.011 - std::min(i, 3000) * 1e-6));
+      if (i % pause == 0) hands.Send(1, At(0.0, 0.0));
+      if (i > 1000) {
+        ASSERT_EQ(answer.hands, 3u) << pause << ' ' << i;
+      }
+    }
+    EXPECT_EQ(hands.loop(1).voids(), 0u);
+    EXPECT_NEAR(hands.Send(0, At(0.0, 0.008)).force_N[2], 1.0, 2e-3);
+    for (int i = 0; i < 600 && hands.world().Holds(1, 2); ++i) hands.Send(0, At(0.0, 0.008));
+    EXPECT_EQ(hands.Send(0, At(0.0, 0.008)).force_N[2], 0.0) << "and then it is dead";
+  }
+}
+
 // A new session may come for a tool that its former hand still holds.
 TEST(World, FadesTheFormerHandBeforeTheNextOneBegins) {
   Hands hands(Boxes(2));
@@ -349,6 +370,26 @@ TEST(World, RemembersNothingOfToolsThatAreNotThere) {
   for (const Storm::Sent& sent : storm.Run(hands, 6000)) all.push_back(sent);
   Hands fresh(Boxes(3, kSmall));
   Storm::Repeat(all, from, fresh);
+}
+
+TEST(WorldOfThreads, IsSteppedByOneAtATime) {
+  Hands hands(Boxes(2));
+  hands.Press();
+  const std::uint64_t before = hands.world().steps();
+  std::array<double, 2> last{};
+  const auto drive = [&](std::size_t i) {
+    for (int k = 0; k < 2000; ++k) {
+      last[i] = hands.Send(i, At(0.0, i == 0 ? 0.008 : 0.0)).force_N[2];
+    }
+  };
+  std::thread other([&] { drive(1); });
+  drive(0);
+  other.join();
+  EXPECT_EQ(hands.world().steps(), before + 4000);
+  // Whoever was last alone has let the other go.
+  for (const double force : last) {
+    EXPECT_TRUE(std::abs(force) < 1.01) << force;
+  }
 }
 
 }  // namespace
