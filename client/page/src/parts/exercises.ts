@@ -246,7 +246,7 @@ export class Exercises {
     row.append(make("b", said), make("span", verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
     // Not only where a pointer rests: a phone has none.
-    if (points === null) row.append(make("span", {className: "quiet"}, sayReason(trial.reason)));
+    if (points === null) row.append(make("span.quiet", sayReason(trial.reason)));
     if (trial.submitted) row.append(make("span", say("exercises.submitted")));
     else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;

@@ -6,7 +6,7 @@ import type {
   HistoryPerson,
 } from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
-import {make, makeSvg, setOptions} from "./elements";
+import {make, setOptions} from "./elements";
 import {criterionName, gradeFigure, gradeWords, namedLosses, titlesOf} from "./history_words";
 import {followLanguage} from "./spoken";
 
@@ -94,7 +94,6 @@ export class HistoryClass {
     );
     this.head.replaceChildren(
       this.sorter("history.person", false),
-      make("th", {scope: "col"}, say("history.course_of")),
       this.sorter("history.grade", true),
       make("th.wide", {scope: "col"}, say("history.trials")),
       make("th.wide", {scope: "col"}, say("history.costs_most")),
@@ -144,7 +143,6 @@ export class HistoryClass {
     const row = make(
       "tr",
       who,
-      make("td", did ? sparkline(did.points) : ""),
       grade,
       make("td.wide", did ? sayNumber(did.done, 0) : ""),
       make(
@@ -164,21 +162,4 @@ export class HistoryClass {
     name.addEventListener("blur", () => light(false));
     return row;
   }
-}
-
-/// A curve of the points, as large as a word; its figures stand beside it.
-function sparkline(points: DoneSeries["points"]): SVGSVGElement {
-  const [width, height] = [96, 24];
-  const last = points.at(-1)?.[0] ?? 1;
-  const at = (points as readonly (readonly [number, number])[]).map(([n, value]) => [
-    last === 1 ? width / 2 : 3 + ((width - 6) * (n - 1)) / (last - 1),
-    3 + (height - 6) * (1 - value / 100),
-  ]);
-  const svg = makeSvg("svg", {
-    ...{class: "spark", viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true"},
-  });
-  svg.append(makeSvg("polyline", {points: at.map((one) => one.join(",")).join(" ")}));
-  const end = at.at(-1);
-  if (end) svg.append(makeSvg("circle", {cx: String(end[0]), cy: String(end[1]), r: "2.5"}));
-  return svg;
 }

@@ -3,7 +3,7 @@ import {say, sayNumber} from "../messages/say";
 import {sayReason} from "../model/reasons";
 import {whenWords} from "../model/words";
 import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
-import {Curve, legend, lossBars} from "./curve";
+import {Curve, legend, type Line, lossBars} from "./curve";
 import {make} from "./elements";
 import {criterionName, namedLosses, gradeFigure, gradeWords, titlesOf} from "./history_words";
 
@@ -71,7 +71,7 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
   });
   const isPassed = pass !== null && grade.mean !== null && grade.mean >= pass;
   const verdict = isPassed ? "exercises.passed" : "exercises.not_yet";
-  const keys: [string, string][] = [
+  const keys: [Line, string][] = [
     ["own", say(isOwn ? "history.you" : "history.them")],
     ["interval", say("history.mean")],
   ];
