@@ -4,7 +4,7 @@ import {ownText} from "../model/local_text";
 import {reasonWords, sayReason} from "../model/reasons";
 import {nameOf, tellNames} from "../model/names";
 import type {Station} from "../model/station";
-import {kTopics, type World} from "../model/world";
+import type {World} from "../model/world";
 import type {ClassAnswer, MadePerson, Me, People, Person, Role} from "../protocol/class_messages";
 import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
@@ -101,14 +101,12 @@ export class ClassRoom {
     this.room.allow(may);
   }
 
-  /// Returns whether the message was for this part.
-  receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.people) this.receivePeople(value as People);
-    else if (topic === kTopics.me) this.receiveMe(value as Me);
-    else if (topic === kTopics.classAnswer) this.receiveAnswer(value as ClassAnswer);
-    else return false;
-    return true;
-  }
+  /// By topic.
+  readonly receivers = {
+    people: (value: unknown): void => this.receivePeople(value as People),
+    me: (value: unknown): void => this.receiveMe(value as Me),
+    class_answer: (value: unknown): void => this.receiveAnswer(value as ClassAnswer),
+  };
 
   tick(nowS: number): void {
     if (!this.room.isOpen) return;
@@ -123,12 +121,7 @@ export class ClassRoom {
 
   /// People who need a teacher come first, then those who work, then the rest, by name.
   private onWall(nowS: number): OnWall[] {
-    const stations = new Map(
-      [...this.world.stations].filter(
-        ([, {session}]) =>
-          session !== undefined && session.phase !== "ended" && session.phase !== "refused",
-      ),
-    );
+    const stations = new Map([...this.world.stations].filter(([, {isHere}]) => isHere));
     const all = this.class.people.map((person) => {
       const station = stations.get(person.station);
       stations.delete(person.station);
@@ -181,11 +174,11 @@ export class ClassRoom {
   }
 
   private operate(op: OperateOp, station: string): void {
-    this.events.publish(kTopics.operate, {op, station});
+    this.events.publish("operate", {op, station});
   }
 
   private begin(scene: string, goal: {text: string; limitN: number}): void {
-    this.events.publish(kTopics.operate, {
+    this.events.publish("operate", {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
@@ -228,7 +221,7 @@ export class ClassRoom {
     setTimeout(() => {
       if (this.waiting.delete(tag)) refused(() => say("class.no_answer"));
     }, kAnswerWithinMs);
-    this.events.publish(kTopics.class, {tag, ...wish});
+    this.events.publish("class", {tag, ...wish});
   }
 
   private receiveAnswer(answer: ClassAnswer): void {
