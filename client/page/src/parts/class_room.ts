@@ -127,36 +127,24 @@ export class ClassRoom {
       stations.delete(person.station);
       return this.personOnWall(person, station, nowS);
     });
+    const nobody = {person: 0, role: "drive", here: 1, seat: ""} as const;
     for (const [id, station] of stations) {
-      const person = {
-        person: 0,
-        name: nameOf(id),
-        role: "drive",
-        station: id,
-        here: 1,
-        seat: "",
-      } as const;
+      const person = {...nobody, name: nameOf(id), station: id};
       all.push(this.personOnWall(person, station, nowS));
     }
     const rank = {held: 0, works: 1, muted: 1, idle: 2, away: 3};
-    return all.sort((a, b) => rank[a.tone] - rank[b.tone] || a.name.localeCompare(b.name));
+    return all.sort(
+      (a, b) => rank[a.tone] - rank[b.tone] || a.person.name.localeCompare(b.person.name),
+    );
   }
 
   private personOnWall(person: Person, station: Station | undefined, nowS: number): OnWall {
     const scene = station?.session?.scene ?? person.seat;
     const goal = this.world.goals.get(scene);
     const state = station?.isMoving(nowS) ? station.track.latest : undefined;
-    const {tone, doing} = doingOf(person, station);
-    return {
-      key: person.person === 0 ? person.station : String(person.person),
-      person: person.person,
-      ...{name: person.name, scene, tone, doing},
-      station: station?.id ?? "",
-      forceN: state ? norm(state.forceN) : undefined,
-      limitN: goal && goal.limitN > 0 ? goal.limitN : Infinity,
-      goal: goal?.text ?? "",
-      ...trialOf(person),
-    };
+    const forceN = state && norm(state.forceN);
+    const trial = trialOf(person);
+    return {person, station, scene, goal, forceN, trial, ...doingOf(person, station)};
   }
 
   private open(): void {
@@ -247,21 +235,14 @@ export class ClassRoom {
 }
 
 /// What has become of the person's newest trial.
-function trialOf({trial}: Person): Pick<OnWall, "trial" | "trialFails"> {
-  if (!trial) return {trial: "", trialFails: false};
+function trialOf({trial}: Person): string {
+  if (!trial) return "";
   const {n, phase, ahead, reason} = trial;
   const exercise = ownText(trial.title ?? {}) || trial.exercise;
   const points = Math.round(trial.points ?? 0);
-  const isScored = phase === "scored";
-  const key = !isScored ? phase : trial.points === null ? "no_points" : "points";
-  return {
-    trial: say("class.trial", {
-      exercise,
-      n,
-      state: say(`exercises.${key}`, {ahead, reason: sayReason(reason), points}),
-    }),
-    trialFails: phase === "unscored" || phase === "unentered",
-  };
+  const key = phase !== "scored" ? phase : trial.points === null ? "no_points" : "points";
+  const state = say(`exercises.${key}`, {ahead, reason: sayReason(reason), points});
+  return say("class.trial", {exercise, n, state});
 }
 
 function doingOf(person: Person, station: Station | undefined): Pick<OnWall, "tone" | "doing"> {

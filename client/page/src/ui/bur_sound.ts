@@ -51,7 +51,8 @@ export function heard(
   filter?: AudioNode,
 ): GainNode {
   const gain = new GainNode(context, {gain: 0});
-  (filter ? source.connect(filter) : source).connect(gain).connect(context.destination);
+  gain.connect(context.destination);
+  (filter ? source.connect(filter) : source).connect(gain);
   source.start();
   return gain;
 }

@@ -1,21 +1,20 @@
 import {type Key, say, sayNumber} from "../messages/say";
+import type {Station} from "../model/station";
+import type {Person} from "../protocol/class_messages";
+import type {SceneGoal} from "../protocol/messages";
 import {make, press, refill, setOptions} from "./elements";
 import type {OperateOp} from "./console";
 
 /// A person or station as the wall shows it.
 export interface OnWall {
-  readonly key: string; // person's number or station's name
-  readonly person: number; // 0: a station of nobody in the class
-  readonly name: string;
+  readonly person: Person; // 0: a station of nobody in the class
+  readonly station: Station | undefined;
   readonly scene: string;
-  readonly station: string; // empty: none
+  readonly goal: SceneGoal | undefined;
   readonly doing: string;
   readonly tone: "away" | "idle" | "works" | "held" | "muted";
-  readonly forceN: number | undefined;
-  readonly limitN: number; // Infinity: no limit
-  readonly goal: string;
   readonly trial: string; // the person's newest; empty: none
-  readonly trialFails: boolean;
+  readonly forceN: number | undefined;
 }
 
 export interface WallWishes {
@@ -104,7 +103,7 @@ export class ClassWall {
     setOptions(this.scene, scenes.map(option), chosen, say("class.no_seats"));
     this.begin.disabled = scenes.length === 0;
     this.end.hidden = begun === "";
-    const people = all.filter(({person}) => person > 0);
+    const people = all.map(({person}) => person).filter(({person}) => person > 0);
     const reach = people.map(({person, name}) => ({value: String(person), text: name}));
     const wanted = reach.some(({value}) => value === this.to.value) ? this.to.value : "0";
     setOptions(this.to, [{value: "0", text: say("class.all")}, ...reach], wanted, "");
@@ -113,7 +112,10 @@ export class ClassWall {
   }
 
   private card(one: OnWall): HTMLLIElement {
-    const {name, scene, station, tone, forceN, limitN, person} = one;
+    const {scene, tone, forceN, goal, trial, person: of} = one;
+    const {name, person} = of;
+    const station = one.station?.id ?? "";
+    const limitN = goal && goal.limitN > 0 ? goal.limitN : Infinity;
     const isOver = forceN !== undefined && forceN > limitN;
     const hasLimit = Number.isFinite(limitN);
     const [bar, limit] = [make("span.fill"), make("span.limit", {hidden: !hasLimit})];
@@ -147,8 +149,8 @@ export class ClassWall {
           forceN === undefined ? "–" : words,
         ),
       ),
-      make("p.trial", {hidden: one.trial === ""}, one.trial),
-      make("p.goal-words", {hidden: one.goal === "" || tone === "away"}, one.goal),
+      make("p.trial", {hidden: trial === ""}, trial),
+      make("p.goal-words", {hidden: !goal?.text || tone === "away"}, goal?.text ?? ""),
       make(
         "span.choices",
         {role: "group"},
@@ -165,8 +167,9 @@ export class ClassWall {
         }),
       ),
     );
-    item.dataset.key = one.key;
-    item.querySelector(".trial")!.classList.toggle("alarm", one.trialFails);
+    item.dataset.key = person === 0 ? station : String(person);
+    const isLost = of.trial?.phase === "unscored" || of.trial?.phase === "unentered";
+    item.querySelector(".trial")!.classList.toggle("alarm", isLost);
     return item;
   }
 }

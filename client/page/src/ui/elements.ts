@@ -108,6 +108,20 @@ export function setText(target: Element, text: Words): void {
 /// Sets the text of an element of index.html.
 export const setTextOf = (id: string, text: Words): void => setText(element(id, HTMLElement), text);
 
+/// Makes a table.   @param heads  a text, or a cell of its own
+export const table = (heads: readonly (string | Node)[], rows: readonly Node[]): HTMLTableElement =>
+  make(
+    "table",
+    make(
+      "thead",
+      make(
+        "tr",
+        ...heads.map((one) => (typeof one === "string" ? make("th", {scope: "col"}, one) : one)),
+      ),
+    ),
+    make("tbody", ...rows),
+  );
+
 /// Makes an option of a select.
 export const option = (words: Words, value: string): HTMLOptionElement =>
   make("option", {value}, words);
