@@ -130,7 +130,7 @@ test("a student sees the own trials, and nobody else's", async () => {
   await openHistory("drive");
   await reads("#history-title", "How it went so far");
   await appears("#history-dialog .next li:first-child");
-  await appears("#history-dialog article:first-of-type .curve .own");
+  await appears("#history-dialog article:first-of-type .curve canvas");
   for (const name of ["← The class", "Delete…"])
     expect(await page.getByRole("button", {name, exact: true}).isVisible(), name).toBe(false);
   await page.getByRole("button", {name: "All data (ZIP)"}).waitFor();

@@ -19,8 +19,8 @@ import type {SceneModel} from "./model/bundle";
 import {usualGuards} from "./model/guarded";
 import type {LinkReport} from "./model/link_report";
 import type {Station} from "./model/station";
-import {type Change, kTopics, World} from "./model/world";
-import type {Exercise, Guard} from "./protocol/exercise_messages";
+import {type Change, World} from "./model/world";
+import type {Exercise, ExerciseList, Guard, TrialState} from "./protocol/exercise_messages";
 import {toMouseState, toReplayAnswer} from "./protocol/messages";
 import {BurSound} from "./ui/bur_sound";
 import {element} from "./ui/elements";
@@ -51,7 +51,7 @@ export class App {
   private readonly viewControls = new ViewControls(this.picture);
   private readonly tissues = new TissueList();
   private readonly burSound = new BurSound();
-  private readonly figures = new Figures((message) => this.link.publish(kTopics.operate, message));
+  private readonly figures = new Figures((message) => this.link.publish("operate", message));
   private readonly link: GatewayLink = new GatewayLink(this.world, {
     link: (state) => {
       if (state === "open") {
@@ -61,7 +61,12 @@ export class App {
       } else this.hold.mouse.linkLost();
       this.showLink();
     },
-    message: (topic, value, stampS) => this.received(topic, value, stampS),
+    wants: (topic) => topic in this.receivers || this.world.wants(topic),
+    message: (topic, value, stampS) => {
+      const receive = this.receivers[topic];
+      if (receive) receive(value);
+      else this.world.receive(topic, value, stampS, nowS());
+    },
     rights: () => this.showRights(),
     refused: (reason) => this.whole.refused(reason),
   });
@@ -87,11 +92,10 @@ export class App {
     this.notice,
     () => this.mayTake,
     () => this.exam.askToHandIn(this.notice),
-    () => this.figures.sessionsChanged(),
     () => this.exercises.runs,
   );
   private readonly whole = new WholeButton(this.notice, (op) =>
-    this.link.publish(kTopics.mouse, {op, scene: this.choice.scene}),
+    this.link.publish("mouse", {op, scene: this.choice.scene}),
   );
   private readonly replay: ReplayMode = new ReplayMode(
     this.world.replay,
@@ -117,7 +121,7 @@ export class App {
     },
   };
   private readonly exercises: Exercises = new Exercises({
-    publish: (message) => this.link.publish(kTopics.trial, message),
+    publish: (message) => this.link.publish("trial", message),
     begin: (scene, tool, ask) => {
       this.choice.show(scene, "");
       this.choice.stay();
@@ -171,24 +175,25 @@ export class App {
 
   // --- incoming messages ---
 
-  private received(topic: string, value: unknown, stampS: number): void {
-    if (topic === kTopics.mouseState) {
+  /// By topic; the world takes all others.
+  private readonly receivers: Readonly<Record<string, (value: unknown) => void>> = {
+    ...this.classRoom.receivers,
+    ...this.exam.receivers,
+    exercises: (value) => this.exercises.receiveList(value as ExerciseList),
+    trial_state: (value) => {
+      this.exam.receiveTrial(value as TrialState);
+      this.exercises.receiveTrial(value as TrialState);
+    },
+    replay_answer: (value) => this.replay.answered(toReplayAnswer(value)),
+    mouse_state: (value) => {
       const {mouse, isBusy} = this.hold;
       mouse.receive(toMouseState(value));
       if (isBusy || mouse.hold === "none") return;
       // It had the tool before this page came, or the gateway chose where.
       this.choice.show(mouse.scene, "");
       this.choice.stay();
-    } else if (topic === kTopics.replayAnswer) {
-      this.replay.answered(toReplayAnswer(value));
-    } else if (
-      !this.exam.receive(topic, value) &&
-      !this.classRoom.receive(topic, value) &&
-      !this.exercises.receive(topic, value)
-    ) {
-      this.world.receive(topic, value, stampS, nowS());
-    }
-  }
+    },
+  };
 
   private worldChanged(change: Change, scene: string): void {
     const isShown = scene === this.choice.scene;
@@ -198,9 +203,6 @@ export class App {
         break;
       case "tool":
         if (isShown) this.picture.wake();
-        break;
-      case "sessions":
-        this.figures.sessionsChanged();
         break;
       case "goal":
         if (isShown) this.figures.lesson.showGoal(scene, this.world.goals.get(scene));
@@ -219,8 +221,6 @@ export class App {
         // The server may have other scenes, or a changed one under the same name.
         void this.link.askHealth();
         this.loadAgain();
-        break;
-      case "statistics":
         break;
     }
   }
@@ -268,7 +268,6 @@ export class App {
       world.remainsOf(scene),
       (tool) => world.lastMoverOf(scene, tool)?.track.latest?.graphic,
     );
-    this.tissues.show(this.model);
     this.viewControls.showScene();
     this.figures.lesson.showGoal(scene, world.goals.get(scene));
     this.hold.showTools(this.model?.tools ?? []);

@@ -4,9 +4,6 @@ import "./stage.css";
 import "./panel.css";
 import "./replay.css";
 import "./dialogs.css";
-import "./class.css";
-import "./exercises.css";
-import "./history.css";
 
 import {App} from "./app";
 import type {Probe} from "./parts/probe";

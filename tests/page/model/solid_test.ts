@@ -3,7 +3,7 @@ import {expect, test, vi} from "vitest";
 import type {SceneModel} from "@page/model/bundle";
 import {Remains, removedByTissue} from "@page/model/remains";
 import {readBlock} from "@page/model/solid";
-import {kTopics, World} from "@page/model/world";
+import {World} from "@page/model/world";
 import {toSolidBlock} from "@page/protocol/messages";
 
 import {kPitBlock, pit, solidBlock, surfaceCode} from "../support/solid_blocks";
@@ -127,12 +127,7 @@ test("damage is said once, and what came before it stays; another server's scene
   const changes: string[] = [];
   const world = new World((change, scene) => void changes.push(`${change} ${scene}`));
   const say = (change: number, surface: Uint8Array, serverRun = 1n): void =>
-    world.receive(
-      kTopics.solidBlock,
-      solidBlock("cube", kPitBlock, change, surface, {serverRun}),
-      0,
-      0,
-    );
+    world.receive("solid_block", solidBlock("cube", kPitBlock, change, surface, {serverRun}), 0, 0);
   say(1, pit());
   say(2, new Uint8Array(7));
   say(3, new Uint8Array(7));

@@ -1,6 +1,6 @@
 import {expect, test} from "vitest";
 
-import {kTopics, World} from "@page/model/world";
+import {World} from "@page/model/world";
 
 import {replayStateSent} from "../support/replay_state";
 import {kPitBlock, pit, solidBlock} from "../support/solid_blocks";
@@ -29,9 +29,9 @@ test("a goal is a scene's, and the last that was set counts", () => {
   const world = new World((change, scene) => {
     if (change === "goal") told.push(scene);
   });
-  world.receive(kTopics.goal, {scene: "cube", text: "Press", limit_N: 1}, 1, 1);
-  world.receive(kTopics.goal, {scene: "pipes", text: "Go through", limit_N: 0}, 2, 2);
-  world.receive(kTopics.goal, {scene: "cube", text: "Press gently", limit_N: 0.5}, 3, 3);
+  world.receive("goal", {scene: "cube", text: "Press", limit_N: 1}, 1, 1);
+  world.receive("goal", {scene: "pipes", text: "Go through", limit_N: 0}, 2, 2);
+  world.receive("goal", {scene: "cube", text: "Press gently", limit_N: 0.5}, 3, 3);
   expect(world.goals.get("cube")).toEqual({scene: "cube", text: "Press gently", limitN: 0.5});
   expect(world.goals.get("pipes")?.text).toBe("Go through");
   expect(world.goals.get("bunny")).toBeUndefined();
@@ -46,7 +46,7 @@ test("scenes are what the gateway has, and no others", () => {
   world.receiveHealth(health(["cube", "pipes"], "1"));
   world.receiveHealth(health(["cube", "pipes"], "1"));
   expect(told).toBe(1);
-  world.receive(kTopics.toolState, state("hand", 1, {scene: "typo"}), 1, 1);
+  world.receive("tool_state", state("hand", 1, {scene: "typo"}), 1, 1);
   world.receiveHealth(health(["pipes"], "1"));
   expect([...world.scenes]).toEqual(["pipes"]);
   expect(told).toBe(2);
@@ -59,11 +59,11 @@ test("what moves by itself is drawn with the tool at the same moments", () => {
     scene: "cube",
     moved: [{position_m: [x, 0, 0], orientation_wxyz}],
   });
-  world.receive(kTopics.movedState, moved(0, [1, 0, 0, 0]), 1, 1);
-  world.receive(kTopics.toolState, state("hand", 1), 1, 1);
-  world.receive(kTopics.movedState, moved(0.002, turned), 1.02, 1.02);
-  world.receive(kTopics.toolState, state("hand", 2), 1.02, 1.02);
-  world.receive(kTopics.toolState, state("other", 1, {scene: "pipes"}), 1.02, 1.02);
+  world.receive("moved_state", moved(0, [1, 0, 0, 0]), 1, 1);
+  world.receive("tool_state", state("hand", 1), 1, 1);
+  world.receive("moved_state", moved(0.002, turned), 1.02, 1.02);
+  world.receive("tool_state", state("hand", 2), 1.02, 1.02);
+  world.receive("tool_state", state("other", 1, {scene: "pipes"}), 1.02, 1.02);
   const {track} = world.stations.get("hand")!;
   expect(track.at(1.01)!.moved[0]!.p[0]).toBeCloseTo(0.001, 9);
   expect(track.at(1.01)!.moved[0]!.q[1]).toBeCloseTo(Math.sin(Math.PI / 8), 9);
@@ -73,19 +73,19 @@ test("what moves by itself is drawn with the tool at the same moments", () => {
 
 test("the station with the tool comes before one that has left", () => {
   const world = new World(() => {});
-  world.receive(kTopics.sessionState, session("aaa", 4), 0, 0);
-  world.receive(kTopics.sessionState, session("zzz", 2), 0, 0);
+  world.receive("session_state", session("aaa", 4), 0, 0);
+  world.receive("session_state", session("zzz", 2), 0, 0);
   expect(world.listed(10).map(({id}) => id)).toEqual(["zzz", "aaa"]);
   expect(world.holderOf("cube", "ball")?.id).toBe("zzz");
   expect(world.holderOf("cube", "other")).toBeUndefined();
-  world.receive(kTopics.sessionState, session("late", 3, {scene: "nowhere"}), 0, 0);
+  world.receive("session_state", session("late", 3, {scene: "nowhere"}), 0, 0);
   expect(world.holderOf("nowhere", "ball")).toBeUndefined(); // it was refused
 });
 
 test("a tool stays where its last mover left it", () => {
   const world = new World(() => {});
-  world.receive(kTopics.toolState, state("first", 10), 1, 1);
-  world.receive(kTopics.toolState, state("second", 5), 2, 2);
+  world.receive("tool_state", state("first", 10), 1, 1);
+  world.receive("tool_state", state("second", 5), 2, 2);
   expect(world.lastMoverOf("cube", "ball")?.id).toBe("second");
   expect(world.stations.get("first")!.isMoving(2.6)).toBe(false);
 });
@@ -93,22 +93,22 @@ test("a tool stays where its last mover left it", () => {
 test("a station's next run begins anew, wherever the former one left its tool", () => {
   const world = new World(() => {});
   const own = () => world.stations.get("anna")!.own?.poseSequence;
-  world.receive(kTopics.sessionState, session("anna", 2, {run: 1n}), 0, 0);
-  world.receive(kTopics.toolState, state("anna", 10), 1, 1);
-  world.receive(kTopics.sessionState, session("anna", 4, {run: 1n}), 2, 2);
+  world.receive("session_state", session("anna", 2, {run: 1n}), 0, 0);
+  world.receive("tool_state", state("anna", 10), 1, 1);
+  world.receive("session_state", session("anna", 4, {run: 1n}), 2, 2);
   expect(own()).toBe(10);
   world.startLink();
-  world.receive(kTopics.sessionState, session("anna", 1, {run: 2n}), 3, 3);
+  world.receive("session_state", session("anna", 1, {run: 2n}), 3, 3);
   expect(own()).toBeUndefined();
   expect(world.lastMoverOf("cube", "ball")?.id).toBe("anna"); // there it is seen
-  world.receive(kTopics.toolState, state("anna", 1), 4, 4);
+  world.receive("tool_state", state("anna", 1), 4, 4);
   expect(own()).toBe(1);
 });
 
 test("sessions are forgotten with the link, stations are not", () => {
   const world = new World(() => {});
-  world.receive(kTopics.toolState, state("hand", 1), 1, 1);
-  world.receive(kTopics.sessionState, session("hand", 2), 1, 1);
+  world.receive("tool_state", state("hand", 1), 1, 1);
+  world.receive("session_state", session("hand", 2), 1, 1);
   world.startLink();
   expect(world.holderOf("cube", "ball")).toBeUndefined();
   expect(world.stations.get("hand")!.track.latest?.poseSequence).toBe(1);
@@ -124,29 +124,29 @@ function worldOfRuns() {
 }
 test("a server's new run makes a cut scene whole, and any worth another look", () => {
   const {world, runs} = worldOfRuns();
-  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 1n}), 0, 0);
-  world.receive(kTopics.solidBlock, solidBlock("cube", kPitBlock, 1, pit()), 0, 0);
+  world.receive("session_state", session("hand", 2, {server_run: 1n}), 0, 0);
+  world.receive("solid_block", solidBlock("cube", kPitBlock, 1, pit()), 0, 0);
   expect(world.remainsOf("cube").isWhole).toBe(false);
-  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 0, 0);
+  world.receive("session_state", session("hand", 2, {server_run: 2n}), 0, 0);
   expect(world.remainsOf("cube").isWhole).toBe(true);
   expect(runs.told).toBe(1);
-  world.receive(kTopics.solidBlock, solidBlock("cube", kPitBlock, 1, pit()), 0, 0);
+  world.receive("solid_block", solidBlock("cube", kPitBlock, 1, pit()), 0, 0);
   expect(world.remainsOf("cube").isWhole).toBe(true); // the former's last word
-  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 3n}), 0, 0);
+  world.receive("session_state", session("hand", 2, {server_run: 3n}), 0, 0);
   expect(runs.told).toBe(2); // though nothing was cut
 });
 
 test("who held a tool of a server that is gone holds nothing of its successor's", () => {
   const {world, runs} = worldOfRuns();
   world.receiveHealth(health(["cube"], "a"));
-  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 10n}), 0, 0); // "a", too
+  world.receive("session_state", session("hand", 2, {server_run: 10n}), 0, 0); // "a", too
   expect(world.holderOf("cube", "ball")?.id).toBe("hand");
   world.receiveHealth(health([], "0")); // the gateway itself has begun anew, and knows no server
   expect(world.holderOf("cube", "ball")?.id).toBe("hand");
   world.receiveHealth(health(["cube"], "b"));
   expect(world.holderOf("cube", "ball")).toBeUndefined();
   world.receiveHealth(health(["cube"], "a")); // an answer that was long on its way
-  world.receive(kTopics.sessionState, session("new", 2, {server_run: 11n}), 0, 0);
+  world.receive("session_state", session("new", 2, {server_run: 11n}), 0, 0);
   expect(world.holderOf("cube", "ball")?.id).toBe("new");
   expect(runs.told).toBe(1);
 });
@@ -161,7 +161,7 @@ test("a tool that nothing moves any more stands where it was, without a force", 
     points: 1,
     point: [{position_m: [0, 0, 0], force_N: [0, 5, 0]}],
   });
-  world.receive(kTopics.toolState, pressed, 1, 1);
+  world.receive("tool_state", pressed, 1, 1);
   const hand = world.stations.get("hand")!;
   expect(hand.shown(1.1)).toMatchObject({forceN: [0, 5, 0], haptic: {p: [0, -0.01, 0]}});
   expect(hand.shown(5)).toMatchObject({
@@ -179,12 +179,7 @@ test("between two frames is where the picture is, however seldom they come", () 
     let time = 0;
     for (let i = 0; i < 100; i++) {
       time += 1 / rate;
-      world.receive(
-        kTopics.toolState,
-        state("hand", i, {graphic_position_m: [time, 0, 0]}),
-        time,
-        time,
-      );
+      world.receive("tool_state", state("hand", i, {graphic_position_m: [time, 0, 0]}), time, time);
     }
     const hand = world.stations.get("hand")!;
     // Just before the next frame comes there is still one ahead of the picture.
@@ -200,11 +195,11 @@ const force = (world: World, nowS: number): [number[], number[]] =>
 
 test("a replay's figures stand at the recording's times", () => {
   const world = new World(() => {});
-  world.receive(kTopics.toolState, state("hand", 1), 900, 1); // nobody knows of a replay yet
-  world.receive(kTopics.replayState, replayStateSent(40, {rate: 0.5}), 1000, 2);
+  world.receive("tool_state", state("hand", 1), 900, 1); // nobody knows of a replay yet
+  world.receive("replay_state", replayStateSent(40, {rate: 0.5}), 1000, 2);
   // However late the page comes to read them.
-  world.receive(kTopics.toolState, state("hand", 2), 1000.2, 2.9);
-  world.receive(kTopics.toolState, state("hand", 3), 1000.4, 2.9);
+  world.receive("tool_state", state("hand", 2), 1000.2, 2.9);
+  world.receive("tool_state", state("hand", 3), 1000.4, 2.9);
   const [times] = force(world, 40);
   expect(times.map((time) => time + 40)).toEqual([
     40, // of what was shown as it became known
@@ -215,50 +210,50 @@ test("a replay's figures stand at the recording's times", () => {
 
 test("the plots begin anew where a replay goes elsewhere, with what it shows there", () => {
   const world = new World(() => {});
-  world.receive(kTopics.replayState, replayStateSent(40), 1000, 1);
-  world.receive(kTopics.toolState, state("hand", 1), 1000.1, 1.1);
-  world.receive(kTopics.replayState, replayStateSent(40.2), 1000.2, 1.2);
+  world.receive("replay_state", replayStateSent(40), 1000, 1);
+  world.receive("tool_state", state("hand", 1), 1000.1, 1.1);
+  world.receive("replay_state", replayStateSent(40.2), 1000.2, 1.2);
   expect(force(world, 40.2)[0].length).toBe(1);
   // A seek while it is paused: one state of the tool, and then where it is.
-  world.receive(kTopics.toolState, state("hand", 2, {force_N: [7, 0, 0]}), 1000.3, 1.3);
-  world.receive(kTopics.replayState, replayStateSent(12, {playing: false}), 1000.31, 1.31);
+  world.receive("tool_state", state("hand", 2, {force_N: [7, 0, 0]}), 1000.3, 1.3);
+  world.receive("replay_state", replayStateSent(12, {playing: false}), 1000.31, 1.31);
   expect(force(world, 12)).toEqual([[0], [7]]);
   // On again: what was shown before the leap is none of it.
-  world.receive(kTopics.replayState, replayStateSent(30), 1003, 4);
+  world.receive("replay_state", replayStateSent(30), 1003, 4);
   expect(force(world, 30)).toEqual([[], []]);
 });
 
 test("a tool is not left alone while a replay is paused", () => {
   const world = new World(() => {});
-  world.receive(kTopics.replayState, replayStateSent(40), 1000, 1);
-  world.receive(kTopics.sessionState, session("hand", 2), 1000, 1);
-  world.receive(kTopics.toolState, state("hand", 1), 1000, 1);
+  world.receive("replay_state", replayStateSent(40), 1000, 1);
+  world.receive("session_state", session("hand", 2), 1000, 1);
+  world.receive("tool_state", state("hand", 1), 1000, 1);
   for (let nowS = 1.2; nowS < 20; nowS += 0.2) {
-    world.receive(kTopics.replayState, replayStateSent(40.2, {playing: false}), 999 + nowS, nowS);
+    world.receive("replay_state", replayStateSent(40.2, {playing: false}), 999 + nowS, nowS);
   }
   expect(world.stations.get("hand")!.isMoving(20)).toBe(true);
   expect(world.stations.get("hand")!.isMoving(22)).toBe(false);
   // It is sent to where nobody had the tool: as another server, and of no session.
-  world.receive(kTopics.sessionState, session("other", 2, {server_run: 2n}), 1021, 22);
-  world.receive(kTopics.toolState, state("hand", 2), 1021, 22);
+  world.receive("session_state", session("other", 2, {server_run: 2n}), 1021, 22);
+  world.receive("tool_state", state("hand", 2), 1021, 22);
   for (let nowS = 22.2; nowS < 25; nowS += 0.2) {
-    world.receive(kTopics.replayState, replayStateSent(0, {playing: false}), 999 + nowS, nowS);
+    world.receive("replay_state", replayStateSent(0, {playing: false}), 999 + nowS, nowS);
   }
   expect(world.stations.get("hand")!.isMoving(25)).toBe(false);
 });
 
 test("what another server says after a replay is live, and while it plays it is the replay's", () => {
   const world = new World(() => {});
-  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 1n}), 0, 0);
-  world.receive(kTopics.replayState, replayStateSent(40), 1000, 1);
-  world.receive(kTopics.sessionState, session("hand", 2, {server_run: 2n}), 1000, 1);
+  world.receive("session_state", session("hand", 2, {server_run: 1n}), 0, 0);
+  world.receive("replay_state", replayStateSent(40), 1000, 1);
+  world.receive("session_state", session("hand", 2, {server_run: 2n}), 1000, 1);
   expect(world.replay.phase(1)).toBe("playing");
-  world.receive(kTopics.replayState, replayStateSent(41, {ended: true}), 1001, 2);
+  world.receive("replay_state", replayStateSent(41, {ended: true}), 1001, 2);
   expect(world.replay.phase(60)).toBe("ended");
   world.receiveHealth(health(["cube"], "3"), 60);
   expect(world.replay.phase(60)).toBe("none");
   // Likewise after one that has only fallen silent.
-  world.receive(kTopics.replayState, replayStateSent(40), 2000, 100);
+  world.receive("replay_state", replayStateSent(40), 2000, 100);
   world.receiveHealth(health(["cube"], "4"), 101);
   expect(world.replay.phase(101)).toBe("playing");
   world.receiveHealth(health(["cube"], "5"), 110);
@@ -273,8 +268,8 @@ test("a station that goes to another scene brings neither its place nor its forc
       ...{haptic_position_m: [x, 0, 0], haptic_orientation_wxyz: [1, 0, 0, 0]},
       ...{force_N: [3, 0, 0], torque_Nm: [0, 0, 0], ...more},
     });
-  world.receive(kTopics.toolState, at(1, {}), 1, 1);
-  world.receive(kTopics.toolState, at(2, {scene: "pipes", force_N: [0, 0, 0]}), 1.03, 1.03);
+  world.receive("tool_state", at(1, {}), 1, 1);
+  world.receive("tool_state", at(2, {scene: "pipes", force_N: [0, 0, 0]}), 1.03, 1.03);
   const mouse = world.stations.get("mouse")!;
   // The picture is a little behind the newest frame.
   expect(mouse.shown(1.03)).toMatchObject({scene: "pipes", graphic: {p: [2, 0, 0]}});

@@ -40,7 +40,7 @@ function rig() {
   const allowed: boolean[] = [];
   const offered: ReadonlySet<string>[] = [];
   const connection = new Connection(
-    new Set(["/palpate/tool_state"]),
+    (topic) => topic === "/palpate/tool_state",
     {
       link: (state) => links.push(state),
       message: (topic, value) => messages.push({topic, value}),

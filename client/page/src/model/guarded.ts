@@ -1,3 +1,5 @@
+import {BoxGeometry} from "three";
+
 import type {Bur, Region, SceneModel, Triangles} from "./bundle";
 import {withinM} from "./drilled";
 import type {Guard} from "../protocol/exercise_messages";
@@ -70,15 +72,10 @@ function makeCloud({low, high, radiusM, mesh}: Region): Cloud {
 }
 
 function boxOf(low: Vec3, high: Vec3): Triangles {
-  const vertices = Array.from({length: 8}, (_, i) =>
-    [0, 1, 2].map((k) => ((i >> k) & 1 ? high[k]! : low[k]!)),
-  );
-  // prettier-ignore
-  const triangles = [
-    0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-    2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5,
-  ];
-  return {vertices: Float32Array.from(vertices.flat()), triangles: Uint32Array.from(triangles)};
+  const middle = scale(add(low, high), 0.5);
+  const box = new BoxGeometry(...subtract(high, low)).translate(...middle);
+  const vertices = box.getAttribute("position").array as Float32Array;
+  return {vertices, triangles: Uint32Array.from(box.index!.array)};
 }
 
 /// Distance of a point of the bur's frame from it; 0: within it.

@@ -115,6 +115,10 @@ export class Station {
   get scene(): string {
     return this.track.latest?.scene ?? this.session?.scene ?? this.statistics?.scene ?? "";
   }
+  /// It has a session that has neither ended nor been refused.
+  get isHere(): boolean {
+    return this.session !== undefined && !["ended", "refused"].includes(this.session.phase);
+  }
   get holdsTool(): boolean {
     return this.session !== undefined && holdsTool(this.session);
   }

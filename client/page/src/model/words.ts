@@ -105,11 +105,17 @@ export interface Line {
   readonly tone: "good" | "plain" | "bad";
 }
 
-const line = (label: Key, value: string, remark: string, tone: Line["tone"] = "plain"): Line => ({
-  label: say(label),
+/// @param isBad  else it is good, or "plain": neither
+const line = (
+  key: Key,
+  value: string,
+  remark: string,
+  isBad: boolean | "plain" = "plain",
+): Line => ({
+  label: say(key),
   value,
   remark,
-  tone,
+  tone: isBad === "plain" ? isBad : isBad ? "bad" : "good",
 });
 
 const kRateHz = 1000;
@@ -125,41 +131,30 @@ export function statisticsLines(statistics: LoopStatistics): Line[] {
     us >= 1000 ? `${figure(us / 1000, 1)} ms` : `${figure(us, 1)} µs`;
   const rate = say("loop.rate_is", {rate: sayNumber(rateHz, 0)});
   const faults = faultWords(statistics.faults);
+  const noFault = faults.length === 0;
   // Unused poses had no step.
-  const faulted =
-    faults.length === 0
-      ? say("loop.faults_none")
-      : say("loop.steps", {count: statistics.faultedSteps});
+  const faulted = say(noFault ? "loop.faults_none" : "loop.steps", {
+    count: statistics.faultedSteps,
+  });
   const poses = (count: number): string => say("loop.poses", {count});
+  const lateTone = late > kMostAmiss * steps || (late > 0 ? "plain" : false);
+  const slowest = p999 >= 1000;
   return [
-    onTime
-      ? line("loop.rate", rate, say("loop.rate_good"), "good")
-      : line("loop.rate", rate, say("loop.rate_bad"), "bad"),
+    line("loop.rate", rate, say(onTime ? "loop.rate_good" : "loop.rate_bad"), !onTime),
     line("loop.usual", time(p50), say("loop.usual_is")),
     line("loop.slow", time(p99), say("loop.slow_is")),
-    p999 < 1000
-      ? line("loop.slower", time(p999), say("loop.slower_is"))
-      : line("loop.slower", time(p999), say("loop.slower_bad"), "bad"),
-    late === 0
-      ? line("loop.late", poses(late), say("loop.late_none"), "good")
-      : line(
-          "loop.late",
-          poses(late),
-          say("loop.late_some"),
-          late > kMostAmiss * steps ? "bad" : "plain",
-        ),
-    lost === 0
-      ? line("loop.lost", poses(lost), say("loop.lost_none"), "good")
-      : line("loop.lost", poses(lost), say("loop.lost_some"), "bad"),
-    ...(rejected > 0
-      ? [line("loop.refused", poses(rejected), say("loop.refused_some"), "bad")]
-      : []),
     line(
-      "loop.faults",
-      faulted,
-      sayList("list.clauses", faults),
-      faults.length === 0 ? "good" : "plain",
+      "loop.slower",
+      time(p999),
+      say(slowest ? "loop.slower_bad" : "loop.slower_is"),
+      slowest || "plain",
     ),
+    line("loop.late", poses(late), say(late > 0 ? "loop.late_some" : "loop.late_none"), lateTone),
+    line("loop.lost", poses(lost), say(lost > 0 ? "loop.lost_some" : "loop.lost_none"), lost > 0),
+    ...(rejected > 0
+      ? [line("loop.refused", poses(rejected), say("loop.refused_some"), true)]
+      : []),
+    line("loop.faults", faulted, sayList("list.clauses", faults), noFault ? false : "plain"),
   ];
 }
 
@@ -172,10 +167,10 @@ const kDeviceForcesIgnored = 1 << 3;
 const kRoundingJ = 1e-6;
 
 function deviceLine({device, deviceStatus}: StationStatistics): Line {
-  if (deviceStatus & kDeviceFault) return line("arm.device", say("arm.fault"), device, "bad");
+  if (deviceStatus & kDeviceFault) return line("arm.device", say("arm.fault"), device, true);
   if (deviceStatus & kDeviceCalibrating) return line("arm.device", say("arm.calibrates"), device);
   if (deviceStatus & kDeviceForcesIgnored) return line("arm.device", say("arm.ignored"), device);
-  return line("arm.device", say("arm.in_order"), device, "good");
+  return line("arm.device", say("arm.in_order"), device, false);
 }
 
 function limiterLine({limiter, ticks}: StationStatistics): Line {
@@ -185,7 +180,7 @@ function limiterLine({limiter, ticks}: StationStatistics): Line {
   };
   const acting = kLimiterStages.filter((stage) => limiter[stage] > 0);
   if (acting.length === 0)
-    return line("arm.held_back", say("arm.nothing"), say("arm.all_arrives"), "good");
+    return line("arm.held_back", say("arm.nothing"), say("arm.all_arrives"), false);
   // The stage that acts most of the time comes first.
   acting.sort((a, b) => limiter[b] - limiter[a]);
   const most = acting[0]!;
@@ -196,26 +191,19 @@ function limiterLine({limiter, ticks}: StationStatistics): Line {
   });
   const stages = sayList("list.clauses", all);
   const isBad = limiter.nonfinite > 0 || most === "faded";
-  return line(
-    "arm.held_back",
-    share(most),
-    say("arm.of_the_time", {stages}),
-    isBad ? "bad" : "plain",
-  );
+  return line("arm.held_back", share(most), say("arm.of_the_time", {stages}), isBad || "plain");
 }
 
 function silenceLine({silenceS, replies, late, lost, limiter}: StationStatistics): Line {
   const milliseconds = 1000 * silenceS;
   const value = milliseconds >= 1000 ? `${figure(silenceS, 1)} s` : `${figure(milliseconds, 1)} ms`;
-  if (replies === 0) {
-    return line("arm.silence", value, say("arm.silence_bad"), "bad");
-  }
+  if (replies === 0) return line("arm.silence", value, say("arm.silence_bad"), true);
   const longest = sayList("list.clauses", [
     say("arm.silence_is"),
     late > 0 ? say("arm.late", {count: late}) : "",
     lost > 0 ? say("arm.lost", {count: lost}) : "",
   ]);
-  return line("arm.silence", value, longest, limiter.faded > 0 ? "bad" : "plain");
+  return line("arm.silence", value, longest, limiter.faded > 0 || "plain");
 }
 
 /// Describes how the arm's force was limited in the last second, as lines of a table.
@@ -228,15 +216,17 @@ export function deviceLines(device: StationStatistics): Line[] {
     const strongest = whole
       ? say("arm.as_computed")
       : say("arm.of_computed", {force: `${figure(wantedForceN)} N`});
-    const isWarm = limiter.warm > 0 ? "bad" : "plain";
     const energy = `${figure(1000 * (active ? -energyLeastJ : energyJ), 1)} mJ`;
     lines.push(
       limiterLine(device),
       line("arm.strongest", `${figure(appliedForceN)} N`, strongest),
-      line("arm.motors", percent(warmth), say("arm.motors_are"), isWarm),
-      active
-        ? line("arm.energy", energy, say("arm.energy_bad"), "bad")
-        : line("arm.energy", energy, say("arm.energy_is")),
+      line("arm.motors", percent(warmth), say("arm.motors_are"), limiter.warm > 0 || "plain"),
+      line(
+        "arm.energy",
+        energy,
+        say(active ? "arm.energy_bad" : "arm.energy_is"),
+        active || "plain",
+      ),
     );
   }
   lines.push(silenceLine(device));
@@ -268,21 +258,14 @@ export function sessionWords(session: SessionState): string {
   const {scene, reason} = session;
   const tool =
     session.tool === "" ? say("session.a_tool") : say("session.the_tool", {tool: session.tool});
-  switch (session.phase) {
-    case "active":
-      return say("session.drives", {tool, scene});
-    case "refused":
-      return say("session.refused", {tool, scene, reason: sayReason(reason)});
-    case "acquiring":
-      return say("session.acquiring", {tool, scene, depth: figure(1000 * session.startDepthM, 1)});
-    case "waiting":
-      return say("session.waits", {tool, scene});
-    case "ended":
-      return say("session.left", {tool, scene});
-    case "held":
-      return say("session.held", {tool, scene});
-  }
+  const key = `session.${kSessionWords[session.phase]}` as const;
+  const depth = figure(1000 * session.startDepthM, 1);
+  return say(key, {tool, scene, reason: sayReason(reason), depth});
 }
+const kSessionWords = {
+  ...({active: "drives", refused: "refused", acquiring: "acquiring"} as const),
+  ...({waiting: "waits", ended: "left", held: "held"} as const),
+} as const;
 
 /// Says what a user who feels or sees a session's forces must know; empty: nothing.
 /// @param own  it is this page's session

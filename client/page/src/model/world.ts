@@ -22,58 +22,13 @@ import {Remains} from "./remains";
 import {Replay} from "./replay";
 import {Station} from "./station";
 
-export const kTopics = {
-  toolState: "/palpate/tool_state",
-  movedState: "/palpate/moved_state",
-  loopStatistics: "/palpate/loop_statistics",
-  stationStatistics: "/palpate/station_statistics",
-  sessionState: "/palpate/session_state",
-  sceneWhole: "/palpate/scene_whole",
-  solidBlock: "/palpate/solid_block",
-  mouse: "/palpate/mouse",
-  mouseState: "/palpate/mouse_state",
-  replay: "/palpate/replay",
-  replayContents: "/palpate/replay_contents",
-  replayState: "/palpate/replay_state",
-  replayAnswer: "/palpate/replay_answer",
-  operate: "/palpate/operate",
-  goal: "/palpate/goal",
-  class: "/palpate/class",
-  classAnswer: "/palpate/class_answer",
-  people: "/palpate/people",
-  me: "/palpate/me",
-  exercises: "/palpate/exercises",
-  trial: "/palpate/trial",
-  trialState: "/palpate/trial_state",
-  exam: "/palpate/exam",
-  examState: "/palpate/exam_state",
-  examAnswer: "/palpate/exam_answer",
-} as const;
-
-/// The topics on which the page publishes.
-export const kOwnTopics: ReadonlySet<string> = new Set([
-  kTopics.mouse,
-  kTopics.replay,
-  kTopics.operate,
-  kTopics.class,
-  kTopics.trial,
-  kTopics.exam,
-]);
-
 /// No server is known yet.
 const kNoRun = "0";
 
+type Receiver = (value: unknown, stampS: number, nowS: number) => void;
+
 /// What has changed, so that only that is redrawn.
-export type Change =
-  | "tool"
-  | "sessions"
-  | "statistics"
-  | "scenes"
-  | "remains"
-  | "whole"
-  | "goal"
-  | "replay"
-  | "serverRun";
+export type Change = "tool" | "scenes" | "remains" | "whole" | "goal" | "replay" | "serverRun";
 
 /// Everything that the gateway has reported.  Knows neither socket nor screen.
 export class World {
@@ -95,60 +50,54 @@ export class World {
 
   constructor(private readonly changed: (change: Change, scene: string) => void) {}
 
+  /// What to do with a topic's messages.
+  private readonly receivers: Readonly<Record<string, Receiver>> = {
+    tool_state: (value, stampS, nowS) =>
+      this.receiveToolState(this.withMoved(toToolState(value)), stampS, nowS),
+    moved_state: (value) => {
+      const {scene, moved} = toMovedState(value);
+      this.moved.set(scene, moved);
+    },
+    loop_statistics: (value) => {
+      const statistics = toLoopStatistics(value);
+      this.station(statistics.station).statistics = statistics;
+    },
+    station_statistics: (value, _, nowS) => {
+      const statistics = toStationStatistics(value);
+      this.station(statistics.station).pushDevice(statistics, nowS);
+    },
+    replay_contents: (value) => {
+      this.replay.receiveContents(toReplayContents(value));
+      this.changed("replay", "");
+    },
+    replay_state: (value, stampS, nowS) => this.receiveReplay(toReplayState(value), stampS, nowS),
+    session_state: (value) => this.receiveSession(toSessionState(value)),
+    goal: (value) => {
+      const goal = toSceneGoal(value);
+      this.goals.set(goal.scene, goal);
+      this.changed("goal", goal.scene);
+    },
+    solid_block: (value) => {
+      const block = toSolidBlock(value);
+      if (!this.isOfServer(block.serverRun)) return;
+      if (!this.remainsOf(block.scene).cut(block)) this.sayDamaged(block);
+      this.changed("remains", block.scene);
+    },
+    scene_whole: (value) => {
+      const whole = toSceneWhole(value);
+      if (!this.isOfServer(whole.serverRun)) return;
+      this.remainsOf(whole.scene).undo(whole.lastChange);
+      this.wholes.set(whole.scene, whole);
+      this.changed("whole", whole.scene);
+    },
+  };
+
+  wants(topic: string): boolean {
+    return topic in this.receivers;
+  }
   receive(topic: string, value: unknown, stampS: number, nowS: number): void {
     this.nowS = nowS;
-    switch (topic) {
-      case kTopics.toolState:
-        this.receiveToolState(this.withMoved(toToolState(value)), stampS, nowS);
-        break;
-      case kTopics.movedState: {
-        const {scene, moved} = toMovedState(value);
-        this.moved.set(scene, moved);
-        break;
-      }
-      case kTopics.loopStatistics: {
-        const statistics = toLoopStatistics(value);
-        this.station(statistics.station).statistics = statistics;
-        this.changed("statistics", statistics.scene);
-        break;
-      }
-      case kTopics.stationStatistics: {
-        const statistics = toStationStatistics(value);
-        this.station(statistics.station).pushDevice(statistics, nowS);
-        break;
-      }
-      case kTopics.replayContents:
-        this.replay.receiveContents(toReplayContents(value));
-        this.changed("replay", "");
-        break;
-      case kTopics.replayState:
-        this.receiveReplay(toReplayState(value), stampS, nowS);
-        break;
-      case kTopics.sessionState:
-        this.receiveSession(toSessionState(value));
-        break;
-      case kTopics.goal: {
-        const goal = toSceneGoal(value);
-        this.goals.set(goal.scene, goal);
-        this.changed("goal", goal.scene);
-        break;
-      }
-      case kTopics.solidBlock: {
-        const block = toSolidBlock(value);
-        if (!this.isOfServer(block.serverRun)) break;
-        if (!this.remainsOf(block.scene).cut(block)) this.sayDamaged(block);
-        this.changed("remains", block.scene);
-        break;
-      }
-      case kTopics.sceneWhole: {
-        const whole = toSceneWhole(value);
-        if (!this.isOfServer(whole.serverRun)) break;
-        this.remainsOf(whole.scene).undo(whole.lastChange);
-        this.wholes.set(whole.scene, whole);
-        this.changed("whole", whole.scene);
-        break;
-      }
-    }
+    this.receivers[topic]?.(value, stampS, nowS);
   }
 
   /// Takes the gateway's report: its scenes, and the server that they belong to.
@@ -248,7 +197,6 @@ export class World {
   private receiveSession(session: SessionState): void {
     if (!this.isOfServer(session.serverRun)) return;
     this.station(session.station).begin(session);
-    this.changed("sessions", session.scene);
   }
 
   /// Returns false for a message of a former server.  The first message of a new one clears the
@@ -273,7 +221,6 @@ export class World {
 
   private forgetSessions(): void {
     for (const station of this.stations.values()) station.session = undefined;
-    this.changed("sessions", "");
   }
 
   private station(id: string): Station {

@@ -4,7 +4,7 @@ import {ownText} from "../model/local_text";
 import {reasonWords, sayReason} from "../model/reasons";
 import {nameOf, tellNames} from "../model/names";
 import type {Station} from "../model/station";
-import {kTopics, type World} from "../model/world";
+import type {World} from "../model/world";
 import type {ClassAnswer, MadePerson, Me, People, Person, Role} from "../protocol/class_messages";
 import {ClassPeople} from "../ui/class_people";
 import {ClassWall, type OnWall} from "../ui/class_wall";
@@ -101,14 +101,12 @@ export class ClassRoom {
     this.room.allow(may);
   }
 
-  /// Returns whether the message was for this part.
-  receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.people) this.receivePeople(value as People);
-    else if (topic === kTopics.me) this.receiveMe(value as Me);
-    else if (topic === kTopics.classAnswer) this.receiveAnswer(value as ClassAnswer);
-    else return false;
-    return true;
-  }
+  /// By topic.
+  readonly receivers = {
+    people: (value: unknown): void => this.receivePeople(value as People),
+    me: (value: unknown): void => this.receiveMe(value as Me),
+    class_answer: (value: unknown): void => this.receiveAnswer(value as ClassAnswer),
+  };
 
   tick(nowS: number): void {
     if (!this.room.isOpen) return;
@@ -123,47 +121,30 @@ export class ClassRoom {
 
   /// People who need a teacher come first, then those who work, then the rest, by name.
   private onWall(nowS: number): OnWall[] {
-    const stations = new Map(
-      [...this.world.stations].filter(
-        ([, {session}]) =>
-          session !== undefined && session.phase !== "ended" && session.phase !== "refused",
-      ),
-    );
+    const stations = new Map([...this.world.stations].filter(([, {isHere}]) => isHere));
     const all = this.class.people.map((person) => {
       const station = stations.get(person.station);
       stations.delete(person.station);
       return this.personOnWall(person, station, nowS);
     });
+    const nobody = {person: 0, role: "drive", here: 1, seat: ""} as const;
     for (const [id, station] of stations) {
-      const person = {
-        person: 0,
-        name: nameOf(id),
-        role: "drive",
-        station: id,
-        here: 1,
-        seat: "",
-      } as const;
+      const person = {...nobody, name: nameOf(id), station: id};
       all.push(this.personOnWall(person, station, nowS));
     }
     const rank = {held: 0, works: 1, muted: 1, idle: 2, away: 3};
-    return all.sort((a, b) => rank[a.tone] - rank[b.tone] || a.name.localeCompare(b.name));
+    return all.sort(
+      (a, b) => rank[a.tone] - rank[b.tone] || a.person.name.localeCompare(b.person.name),
+    );
   }
 
   private personOnWall(person: Person, station: Station | undefined, nowS: number): OnWall {
     const scene = station?.session?.scene ?? person.seat;
     const goal = this.world.goals.get(scene);
     const state = station?.isMoving(nowS) ? station.track.latest : undefined;
-    const {tone, doing} = doingOf(person, station);
-    return {
-      key: person.person === 0 ? person.station : String(person.person),
-      person: person.person,
-      ...{name: person.name, scene, tone, doing},
-      station: station?.id ?? "",
-      forceN: state ? norm(state.forceN) : undefined,
-      limitN: goal && goal.limitN > 0 ? goal.limitN : Infinity,
-      goal: goal?.text ?? "",
-      ...trialOf(person),
-    };
+    const forceN = state && norm(state.forceN);
+    const trial = trialOf(person);
+    return {person, station, scene, goal, forceN, trial, ...doingOf(person, station)};
   }
 
   private open(): void {
@@ -181,11 +162,11 @@ export class ClassRoom {
   }
 
   private operate(op: OperateOp, station: string): void {
-    this.events.publish(kTopics.operate, {op, station});
+    this.events.publish("operate", {op, station});
   }
 
   private begin(scene: string, goal: {text: string; limitN: number}): void {
-    this.events.publish(kTopics.operate, {
+    this.events.publish("operate", {
       ...{op: "goal", scene, text: goal.text, limit_N: goal.limitN},
     });
     this.ask({op: "begin", scene}, ({note}) => {
@@ -228,7 +209,7 @@ export class ClassRoom {
     setTimeout(() => {
       if (this.waiting.delete(tag)) refused(() => say("class.no_answer"));
     }, kAnswerWithinMs);
-    this.events.publish(kTopics.class, {tag, ...wish});
+    this.events.publish("class", {tag, ...wish});
   }
 
   private receiveAnswer(answer: ClassAnswer): void {
@@ -254,21 +235,14 @@ export class ClassRoom {
 }
 
 /// What has become of the person's newest trial.
-function trialOf({trial}: Person): Pick<OnWall, "trial" | "trialFails"> {
-  if (!trial) return {trial: "", trialFails: false};
+function trialOf({trial}: Person): string {
+  if (!trial) return "";
   const {n, phase, ahead, reason} = trial;
   const exercise = ownText(trial.title ?? {}) || trial.exercise;
   const points = Math.round(trial.points ?? 0);
-  const isScored = phase === "scored";
-  const key = !isScored ? phase : trial.points === null ? "no_points" : "points";
-  return {
-    trial: say("class.trial", {
-      exercise,
-      n,
-      state: say(`exercises.${key}`, {ahead, reason: sayReason(reason), points}),
-    }),
-    trialFails: phase === "unscored" || phase === "unentered",
-  };
+  const key = phase !== "scored" ? phase : trial.points === null ? "no_points" : "points";
+  const state = say(`exercises.${key}`, {ahead, reason: sayReason(reason), points});
+  return say("class.trial", {exercise, n, state});
 }
 
 function doingOf(person: Person, station: Station | undefined): Pick<OnWall, "tone" | "doing"> {

@@ -2,7 +2,6 @@ import {say, sayList} from "../messages/say";
 import {ownText} from "../model/local_text";
 import {sayReason} from "../model/reasons";
 import {clock} from "../model/words";
-import {kTopics} from "../model/world";
 import type {ExamAnswer, ExamState, ExamTurn, OpenExam} from "../protocol/exam_messages";
 import type {Exercise, TrialPhase, TrialState} from "../protocol/exercise_messages";
 import {element, make, press, setText} from "../ui/elements";
@@ -77,18 +76,15 @@ export class Exam {
     this.show();
   }
 
-  /// Returns whether the message was for this part only.
-  receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.trialState) {
-      this.trial = value as TrialState;
-      this.trialEndsS = undefined;
-      this.show();
-      return false;
-    }
-    if (topic === kTopics.examAnswer) this.desk.tell((value as ExamAnswer).refusal);
-    else if (topic === kTopics.examState) this.receiveState(value as ExamState);
-    else return false;
-    return true;
+  /// By topic.
+  readonly receivers = {
+    exam_answer: (value: unknown): void => this.desk.tell((value as ExamAnswer).refusal),
+    exam_state: (value: unknown): void => this.receiveState(value as ExamState),
+  };
+  receiveTrial(trial: TrialState): void {
+    this.trial = trial;
+    this.trialEndsS = undefined;
+    this.show();
   }
 
   /// Asks whether to hand in the trial: a key pressed by reflex must not end it.  Returns false if
@@ -172,17 +168,15 @@ export class Exam {
   private beginTask(): void {
     const exercise = this.state.open?.exercise;
     if (!exercise || this.events.served(exercise) === "") return this.show();
-    this.events.begin(() =>
-      this.events.publish(kTopics.trial, {op: "begin", exercise: exercise.name}),
-    );
+    this.events.begin(() => this.events.publish("trial", {op: "begin", exercise: exercise.name}));
   }
 
   private handInTrial(): void {
-    this.events.publish(kTopics.trial, {op: "stop"});
+    this.events.publish("trial", {op: "stop"});
   }
 
   private ask(wish: object): void {
-    this.events.publish(kTopics.exam, {tag: (this.tag += 1), ...wish});
+    this.events.publish("exam", {tag: (this.tag += 1), ...wish});
   }
 }
 

@@ -4,7 +4,6 @@ import {ownText, scoreLink} from "../model/local_text";
 import {sayReason} from "../model/reasons";
 import {partWords} from "../model/words";
 import type {Pose, Vec3} from "../base/pose";
-import {kTopics} from "../model/world";
 import type {
   DoneTrial,
   Exercise,
@@ -77,10 +76,7 @@ export class Exercises {
     setWords(guided, "title", () => say("exercises.guide_title"));
     this.bar.append(what, word, clock, guided, stop, submit, score, again, next);
     element("above", HTMLDivElement).append(this.bar);
-    followLanguage(() => {
-      this.showBar();
-      if (this.room.isOpen) this.show();
-    });
+    followLanguage(() => this.showAll());
   }
 
   /// @param may  this page may do exercises
@@ -90,21 +86,21 @@ export class Exercises {
 
   /// A trial that ran ended with the last link, at the latest; what runs now the gateway tells.
   linkOpened(): void {
-    if (!this.isBusy) return;
-    this.trial = this.endsS = undefined;
-    this.showBar();
-    if (this.room.isOpen) this.show();
+    if (this.isBusy) this.receiveTrial(undefined);
   }
 
-  /// Returns whether the message was for this part.
-  receive(topic: string, value: unknown): boolean {
-    if (topic === kTopics.exercises) ({exercises: this.exercises} = value as ExerciseList);
-    else if (topic === kTopics.trialState) this.trial = value as TrialState;
-    else return false;
-    if (topic === kTopics.trialState) this.endsS = undefined;
+  receiveList({exercises}: ExerciseList): void {
+    this.exercises = exercises;
+    this.showAll();
+  }
+  receiveTrial(trial: TrialState | undefined): void {
+    this.trial = trial;
+    this.endsS = undefined;
+    this.showAll();
+  }
+  private showAll(): void {
     this.showBar();
     if (this.room.isOpen) this.show();
-    return true;
   }
 
   tick(nowS: number): void {
@@ -246,7 +242,7 @@ export class Exercises {
     row.append(make("b", said), make("span", verdictOf(trial)));
     if (trial.page !== "") row.append(this.linkTo(trial.page));
     // Not only where a pointer rests: a phone has none.
-    if (points === null) row.append(make("span", {className: "quiet"}, sayReason(trial.reason)));
+    if (points === null) row.append(make("span.quiet", sayReason(trial.reason)));
     if (trial.submitted) row.append(make("span", say("exercises.submitted")));
     else row.append(press("exercises.submit", () => this.handIn({exercise: exercise.name, n})));
     return row;

@@ -21,7 +21,7 @@ import type {Guard} from "../protocol/exercise_messages";
 import type {ToolState} from "../protocol/messages";
 import {Announcer} from "../ui/announcer";
 import {Console} from "../ui/console";
-import {element, make, setText, setTextOf} from "../ui/elements";
+import {element, make, refill, setTextOf} from "../ui/elements";
 import {ForceBar} from "../ui/force_bar";
 import {GuardSign} from "../ui/guard_sign";
 import {Lesson} from "../ui/lesson";
@@ -45,7 +45,6 @@ export class Figures {
   private readonly box = element("readout", HTMLDivElement);
   private readonly announcer: Announcer;
   private readonly console: Console;
-  private staleWho = true;
 
   /// @param operate  sends a teacher's decision
   constructor(operate: (message: object) => boolean) {
@@ -55,21 +54,13 @@ export class Figures {
       (student) => this.plots.showFor(student),
       (goal) => operate({op: "goal", ...goal}),
     );
-    followLanguage(() => {
-      this.plots.build();
-      this.sessionsChanged();
-    });
+    followLanguage(() => this.plots.build());
   }
 
   /// Sets whether this page may decide about stations and goals.
   allowDeciding(may: boolean): void {
     this.console.setVisible(may);
     this.lesson.allow(may);
-  }
-
-  /// Some session has changed.
-  sessionsChanged(): void {
-    this.staleWho = true;
   }
 
   /// @param station  whose figures are shown
@@ -107,8 +98,6 @@ export class Figures {
   /// @param mouse  present or last station of this page's mouse
   showStations(listed: readonly Station[], mouse: string, nowS: number): void {
     this.console.update(listed, 1000 * nowS);
-    if (!this.staleWho) return;
-    this.staleWho = false;
     const rows = listed.flatMap(({id, session, holdsTool}) => {
       if (!session) return [];
       const name = make("b", id);
@@ -118,7 +107,7 @@ export class Figures {
       return [item];
     });
     element("who-none", HTMLElement).hidden = rows.length > 0;
-    element("who", HTMLElement).replaceChildren(...rows);
+    refill(element("who", HTMLElement), ...rows);
   }
 
   /// Shows whether the force is too high: by the task, the goal or, for a probe, the force
@@ -165,16 +154,13 @@ export class Figures {
 
 function showLines(id: "loop" | "arm", lines: readonly Line[]): void {
   element(`${id}-none`, HTMLElement).hidden = lines.length > 0;
-  const body = element(id, HTMLTableElement).tBodies[0]!;
-  while (body.rows.length > lines.length) body.deleteRow(-1);
-  lines.forEach(({label, value, remark, tone}, i) => {
-    let row = body.rows[i];
-    if (!row) {
-      row = body.insertRow();
-      row.append(make("th", {scope: "row"}));
-      for (const className of ["value", "remark"]) row.append(make("td", {className}));
-    }
-    row.className = tone;
-    [label, value, remark].forEach((text, column) => setText(row.cells[column]!, text));
-  });
+  const rows = lines.map(({label, value, remark, tone}) =>
+    make(
+      "tr",
+      {className: tone},
+      make("th", {scope: "row"}, label),
+      ...[make("td.value", value), make("td.remark", remark)],
+    ),
+  );
+  refill(element(id, HTMLTableElement).tBodies[0]!, ...rows);
 }

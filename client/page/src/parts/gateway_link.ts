@@ -1,10 +1,12 @@
 import {type LinkFacts, type LinkReport, linkReport, Pulse} from "../model/link_report";
-import {kOwnTopics, kTopics, type World} from "../model/world";
+import type {World} from "../model/world";
 import {Connection, type LinkState} from "../protocol/connection";
 import {fetchHealth} from "../protocol/health";
 import {AccessToken} from "../protocol/token";
 import {element, setText} from "../ui/elements";
 import {nowS} from "./now";
+
+const kAll = "/palpate/"; // topics
 
 /// Interval of health requests, which also detect a link that only looks open.
 const kAskHealthMs = 4000;
@@ -15,6 +17,7 @@ const kMostSilences = 2;
 
 export interface LinkEvents {
   link(state: LinkState): void;
+  wants(topic: string): boolean;
   message(topic: string, value: unknown, stampS: number): void;
   rights(): void; // they may have changed
   refused(reason: string): void; // something that this page asked for
@@ -47,10 +50,10 @@ export class GatewayLink {
     const url = new URL(".", location.href);
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     this.connection = new Connection(
-      new Set(Object.values(kTopics).filter((topic) => !kOwnTopics.has(topic))),
+      (topic) => topic.startsWith(kAll) && events.wants(topic.slice(kAll.length)),
       {
         link: (state) => this.changed(state),
-        message: (topic, value, stampS) => events.message(topic, value, stampS),
+        message: (topic, value, stampS) => events.message(topic.slice(kAll.length), value, stampS),
         status: (level, message) => {
           if (level > 0) console.warn(`gateway: ${message}`);
           if (level === kError) events.refused(message);
@@ -59,14 +62,14 @@ export class GatewayLink {
           this.may = {...this.may, publish, operate: publish && role === "operate"};
         },
         offers: (topics) => {
-          const offered = (topic: string): boolean => this.may.publish && topics.has(topic);
-          const [take, steer] = [offered(kTopics.mouseState), offered(kTopics.replayAnswer)];
+          const offered = (topic: string): boolean => this.may.publish && topics.has(kAll + topic);
+          const [take, steer] = [offered("mouse_state"), offered("replay_answer")];
           this.may = {
             ...this.may,
             take,
             steer,
-            teach: this.may.operate && offered(kTopics.classAnswer),
-            try: offered(kTopics.exercises),
+            teach: this.may.operate && offered("class_answer"),
+            try: offered("exercises"),
           };
           events.rights();
         },
@@ -89,7 +92,7 @@ export class GatewayLink {
   }
 
   publish(topic: string, message: object): boolean {
-    return this.connection.publish(topic, message);
+    return this.connection.publish(kAll + topic, message);
   }
 
   /// Since when this page receives messages: the link is open, and the page runs.

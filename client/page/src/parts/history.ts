@@ -69,7 +69,7 @@ export class HistoryRoom {
       ...kCsvForms.map(({as, ...form}) => option(() => say("history.csv_form", form), as)),
     );
     this.csvAs.addEventListener("change", () => keep("localStorage", kCsvKey, this.csvAs.value));
-    const files = make("span.choices", this.csv, this.csvAs, this.zip, this.remove);
+    const files = make("span.choices.files", this.csv, this.csvAs, this.zip, this.remove);
     const body = [this.question, this.ofClass.body, this.ofPerson];
     this.room.fill({before: this.back, after: [files]}, ...body);
     followLanguage(() => {

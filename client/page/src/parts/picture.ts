@@ -2,18 +2,17 @@ import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import type {Pose} from "../base/pose";
 import {looksTheSame} from "../model/pose_track";
-import {type Drawn, PictureQuality, qualityOf} from "../model/quality";
+import {type Drawn, kQualities, PictureQuality, qualityOf, qualityWords} from "../model/quality";
 import type {Remains} from "../model/remains";
 import {pictureWords} from "../model/words";
 import type {Station} from "../model/station";
 import type {ToolState} from "../protocol/messages";
-import {element} from "../ui/elements";
-import {QualityPick} from "../ui/quality_pick";
-import {setWords} from "../ui/spoken";
+import {rememberInAddress} from "../ui/address";
+import {element, onPress, option, setTextOf} from "../ui/elements";
+import {followLanguage, setWords} from "../ui/spoken";
 import {readPalette} from "../view/palette";
 import {drawsBySoftware} from "../view/renderer";
 import {type Cost, SceneView} from "../view/scene_view";
-import {ToolPointer} from "../view/tool_pointer";
 import {nowS} from "./now";
 
 /// The first pictures upload meshes and compile shaders, so they tell nothing about the cost
@@ -21,6 +20,8 @@ import {nowS} from "./now";
 const kWarmUp = 3;
 /// The picture's share that counts as free, however much covers it.
 const kLeastRoom = 0.2;
+
+const kHalfPointer = 22; // half the size of the arrow to the tool [pixels], as in stage.css
 
 /// What a frame shows; queried in each frame.
 export interface PictureHost {
@@ -51,8 +52,8 @@ export class Picture {
   private readonly above = element("above", HTMLDivElement);
   private readonly below = element("below", HTMLDivElement);
   private readonly quality: PictureQuality;
-  private readonly qualityPick: QualityPick;
-  private readonly toolPointer: ToolPointer;
+  private readonly qualityPick = element("quality", HTMLSelectElement);
+  private readonly toolPointer = onPress("tool-pointer", () => this.lookAtAll());
   private firstPictureMs: number | undefined;
   private pictures = 0;
   private drawnAnew = 0;
@@ -69,9 +70,6 @@ export class Picture {
     const bySoftware = drawsBySoftware();
     const fixed = qualityOf(new URLSearchParams(location.search).get("quality") ?? "");
     this.quality = new PictureQuality(bySoftware, fixed);
-    this.toolPointer = new ToolPointer(element("tool-pointer", HTMLButtonElement), () =>
-      this.lookAtAll(),
-    );
     this.view = new SceneView(
       this.canvas,
       element("labels", HTMLDivElement),
@@ -82,7 +80,7 @@ export class Picture {
       matchMedia("(prefers-reduced-motion: reduce)").matches,
       () => this.askFrame(),
     );
-    this.qualityPick = new QualityPick(this.quality, () => this.view.resize());
+    this.offerQualities();
     const resized = new ResizeObserver(() => this.resize());
     for (const one of [this.canvas, this.above, this.below]) resized.observe(one);
     this.resize();
@@ -201,19 +199,42 @@ export class Picture {
     return this.leads;
   }
 
+  /// An arrow at the picture's edge if the tool is outside; pressing it brings the tool back.
   private pointToTool(): void {
     const own = this.host.ownTool();
     const index = Math.max(
       0,
       this.tools.findIndex(({name}) => name === own),
     );
-    const end = this.view.draws ? this.view.endOf(index) : undefined;
-    this.toolPointer.update(
-      this.view.camera.eye,
-      this.view.uncovered,
-      end,
-      this.tools[index]?.name ?? say("tools.tool"),
-    );
+    const {view, toolPointer: button} = this;
+    const end = view.draws ? view.endOf(index) : undefined;
+    const place = end && view.camera.edgePlace(end, view.uncovered, kHalfPointer);
+    button.hidden = place === undefined;
+    if (!place) return;
+    const tool = this.tools[index]?.name ?? say("tools.tool");
+    const words = say("stage.out_of_picture", {tool});
+    if (button.title !== words) button.title = button.ariaLabel = words;
+    const [x, y] = [place.x - kHalfPointer, place.y - kHalfPointer];
+    button.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) rotate(${place.angle.toFixed(3)}rad)`;
+  }
+
+  /// The reader may fix the pictures' quality.
+  private offerQualities(): void {
+    const {qualityPick: pick, quality} = this;
+    pick.add(option(() => say("quality.by_pace"), ""));
+    for (const name of kQualities) pick.add(option(() => say(`quality.always_${name}`), name));
+    pick.value = quality.fixed ?? "";
+    pick.addEventListener("change", () => {
+      quality.fixed = qualityOf(pick.value);
+      rememberInAddress("quality", pick.value);
+      this.showQuality();
+      this.view.resize();
+    });
+    followLanguage(() => this.showQuality());
+    this.showQuality();
+  }
+  private showQuality(): void {
+    setTextOf("quality-words", qualityWords(this.quality));
   }
 
   /// @return whether the camera follows the tool from now on
@@ -232,7 +253,7 @@ export class Picture {
     this.before = undefined;
     if (!before || !this.quality.took(before.drawn, atMs - before.atMs)) return;
     this.view.resize();
-    this.qualityPick.show();
+    this.showQuality();
   }
 
   /// A picture of reduced quality, drawn while the camera moved, is redrawn once it rests.

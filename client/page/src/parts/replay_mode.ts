@@ -4,7 +4,6 @@ import {sayReason} from "../model/reasons";
 import {type Wish, Wishes} from "../model/wishes";
 import {clock, markWords, percent, recordedWhen, spokenTime} from "../model/words";
 import type {Station} from "../model/station";
-import {kTopics} from "../model/world";
 import type {ReplayAnswer, ReplayContents} from "../protocol/messages";
 import {BookmarkDialog} from "../ui/bookmark_dialog";
 import {element, onPress, setOptions, setText, setTextOf} from "../ui/elements";
@@ -50,7 +49,7 @@ export class ReplayMode {
     private readonly switched: () => void,
   ) {
     this.wishes = new Wishes(
-      (message) => link.publish(kTopics.replay, message),
+      (message) => link.publish("replay", message),
       (_wish, reason) =>
         notice.say(() => say("replay.not_done", {reason: sayReason(reason)}), {alarm: true}),
     );

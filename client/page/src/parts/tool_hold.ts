@@ -3,7 +3,7 @@ import {say} from "../messages/say";
 import type {SceneModel} from "../model/bundle";
 import {burOf} from "../model/drilled";
 import type {Station} from "../model/station";
-import {kTopics, type World} from "../model/world";
+import type {World} from "../model/world";
 import {MouseDevice, type MouseHost} from "../mouse/mouse_device";
 import type {ToolState} from "../protocol/messages";
 import {element, onPress, setOptions, setText} from "../ui/elements";
@@ -24,7 +24,6 @@ export class ToolHold {
 
   /// @param mayTake  returns whether this page may take a tool
   /// @param keeps    returns whether the reader is to be asked before the tool is given back; asks
-  /// @param changed  called when it takes, requests or releases one
   constructor(
     private readonly world: World,
     private readonly choice: Choice,
@@ -34,12 +33,11 @@ export class ToolHold {
     private readonly notice: Notice,
     private readonly mayTake: () => boolean,
     private readonly keeps: () => boolean,
-    private readonly changed: () => void,
     private readonly isInTrial: () => boolean,
   ) {
     const {canvas, view} = picture;
     this.mouse = new MouseDevice({
-      publish: (message) => link.publish(kTopics.mouse, message),
+      publish: (message) => link.publish("mouse", message),
       changed: () => this.show(),
       still: () => this.holdsBur && !this.pedal.turns,
       viewFrame: (at) => view.camera.viewFrame(at),
@@ -133,7 +131,6 @@ export class ToolHold {
     }
     this.notice.rest(hold === "none" ? "" : message || (holding ? help : asking));
     this.notice.update(true);
-    this.changed();
     if (holding) this.picture.canvas.focus({preventScroll: true});
   }
 
@@ -184,7 +181,7 @@ export class ToolHold {
       return;
     }
     const run = (): void => {
-      this.link.publish(kTopics.operate, {op: "take_back", station: holder.id});
+      this.link.publish("operate", {op: "take_back", station: holder.id});
       this.notice.say(() => say("tool.taking_back"));
     };
     this.notice.say(who, {

@@ -1,4 +1,4 @@
-import type {TrialPhase} from "./exercise_messages";
+import type {LocalText, TrialState} from "./exercise_messages";
 
 export type Role = "watch" | "drive" | "operate";
 
@@ -11,14 +11,10 @@ export interface Person {
   readonly seat: string; // a scene; empty: none
   readonly trial?: NewestTrial | null; // of this run of the gateway
 }
-export interface NewestTrial {
-  readonly exercise: string;
-  readonly title?: Readonly<Record<string, string>>; // missing: the exercise is gone
-  readonly n: number;
-  readonly phase: TrialPhase;
+export interface NewestTrial
+  extends Pick<TrialState, "exercise" | "n" | "phase" | "reason" | "points"> {
+  readonly title?: LocalText; // missing: the exercise is gone
   readonly ahead: number;
-  readonly reason: string;
-  readonly points: number | null;
 }
 /// All people, for operators.
 export interface People {

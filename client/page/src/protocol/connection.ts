@@ -35,7 +35,7 @@ export class Connection {
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
-    private readonly topics: ReadonlySet<string>,
+    private readonly wants: (topic: string) => boolean,
     private readonly events: ConnectionEvents,
     private readonly openSocket: (protocols: string[]) => WebSocket,
   ) {}
@@ -105,7 +105,7 @@ export class Connection {
 
   private subscribe(client: FoxgloveClient, channel: Channel): void {
     const isHad = [...this.subscriptions.values()].some((one) => one.channel.id === channel.id);
-    if (isHad || !this.topics.has(channel.topic)) return;
+    if (isHad || !this.wants(channel.topic)) return;
     try {
       const decode = makeDecoder(channel);
       if (decode) this.subscriptions.set(client.subscribe(channel.id), {channel, decode});

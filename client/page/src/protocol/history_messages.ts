@@ -1,4 +1,4 @@
-import type {LocalText} from "./exercise_messages";
+import type {DoneTrial, LocalText} from "./exercise_messages";
 
 /// Answers of `GET /history/…`, with the fields written by client/course/history.cpp.
 export interface TermGrade {
@@ -48,15 +48,8 @@ export interface ClassHistory {
   readonly exercises: readonly HistoryExercise[];
   readonly people: readonly HistoryPerson[];
 }
-export interface HistoryTrial {
-  readonly n: number;
+export interface HistoryTrial extends DoneTrial {
   readonly begun_s: number;
-  readonly points: number | null;
-  readonly passed: boolean;
-  readonly whole: boolean;
-  readonly submitted: boolean;
-  readonly reason: string;
-  readonly page: string; // key of the score page, below /score/; empty: there is none
   readonly marks: readonly {readonly criterion: string; readonly points: number}[];
 }
 export interface OwnExercise extends HistoryExercise {
@@ -70,34 +63,36 @@ export interface PersonHistory {
   readonly exercises: readonly OwnExercise[];
 }
 
-/// @param of "class" or a person's number.  Returns undefined if it is not available.
-export async function fetchHistory<T>(
-  of: string,
+/// Fetches a file of the history; undefined if it is not available.  A plain link could send no token.
+async function fetched(
+  file: string,
   headers: Record<string, string>,
-): Promise<T | undefined> {
+): Promise<Response | undefined> {
   try {
-    const response = await fetch(`history/${of}.json`, {cache: "no-store", headers});
-    return response.ok ? ((await response.json()) as T) : undefined;
+    const response = await fetch(`history/${file}`, {cache: "no-store", headers});
+    return response.ok ? response : undefined;
   } catch {
     return undefined;
   }
 }
 
-/// Saves a history as a file; returns false if it is not available.  A plain link could
-/// send no token.
+/// @param of "class" or a person's number
+export const fetchHistory = async <T>(
+  of: string,
+  headers: Record<string, string>,
+): Promise<T | undefined> =>
+  (await (await fetched(`${of}.json`, headers))?.json().catch(() => undefined)) as T | undefined;
+
+/// Saves it; returns false if it is not available.
 export async function saveHistory(
   file: string,
   as: string,
   headers: Record<string, string>,
 ): Promise<boolean> {
-  try {
-    const response = await fetch(`history/${file}`, {cache: "no-store", headers});
-    if (!response.ok) return false;
-    const href = URL.createObjectURL(await response.blob());
-    Object.assign(document.createElement("a"), {href, download: as}).click();
-    setTimeout(() => URL.revokeObjectURL(href), 60_000);
-    return true;
-  } catch {
-    return false;
-  }
+  const blob = await (await fetched(file, headers))?.blob().catch(() => undefined);
+  if (!blob) return false;
+  const href = URL.createObjectURL(blob);
+  Object.assign(document.createElement("a"), {href, download: as}).click();
+  setTimeout(() => URL.revokeObjectURL(href), 60_000);
+  return true;
 }

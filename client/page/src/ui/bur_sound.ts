@@ -32,18 +32,27 @@ export class BurSound {
   /// After the pedal: browsers allow sound only once the reader has done something.
   private make(): NonNullable<BurSound["parts"]> {
     const context = new AudioContext();
-    const hum = new GainNode(context, {gain: 0});
     const tone = new OscillatorNode(context, {type: "sawtooth", frequency: kIdleHz});
     const dull = new BiquadFilterNode(context, {type: "bandpass", frequency: 1600, Q: 0.6});
-    tone.connect(dull).connect(hum).connect(context.destination);
     const noise = new AudioBuffer({length: context.sampleRate, sampleRate: context.sampleRate});
     noise.getChannelData(0).forEach((_, i, to) => (to[i] = 2 * Math.random() - 1));
     const rush = new AudioBufferSourceNode(context, {buffer: noise, loop: true});
     const band = new BiquadFilterNode(context, {type: "bandpass", frequency: 2400, Q: 0.8});
-    const grate = new GainNode(context, {gain: 0});
-    rush.connect(band).connect(grate).connect(context.destination);
-    for (const source of [tone, rush]) source.start();
+    const [hum, grate] = [heard(context, tone, dull), heard(context, rush, band)];
     void context.resume();
     return {context, tone, hum, grate};
   }
+}
+
+/// Starts a source whose loudness is that of the gain, none at first.
+export function heard(
+  context: AudioContext,
+  source: AudioScheduledSourceNode,
+  filter?: AudioNode,
+): GainNode {
+  const gain = new GainNode(context, {gain: 0});
+  gain.connect(context.destination);
+  (filter ? source.connect(filter) : source).connect(gain);
+  source.start();
+  return gain;
 }

@@ -1,21 +1,20 @@
-import {say, sayNumber} from "../messages/say";
-import {make, press, setOptions, setText} from "./elements";
+import {type Key, say, sayNumber} from "../messages/say";
+import type {Station} from "../model/station";
+import type {Person} from "../protocol/class_messages";
+import type {SceneGoal} from "../protocol/messages";
+import {make, press, refill, setOptions} from "./elements";
 import type {OperateOp} from "./console";
 
 /// A person or station as the wall shows it.
 export interface OnWall {
-  readonly key: string; // person's number or station's name
-  readonly person: number; // 0: a station of nobody in the class
-  readonly name: string;
+  readonly person: Person; // 0: a station of nobody in the class
+  readonly station: Station | undefined;
   readonly scene: string;
-  readonly station: string; // empty: none
+  readonly goal: SceneGoal | undefined;
   readonly doing: string;
   readonly tone: "away" | "idle" | "works" | "held" | "muted";
-  readonly forceN: number | undefined;
-  readonly limitN: number; // Infinity: no limit
-  readonly goal: string;
   readonly trial: string; // the person's newest; empty: none
-  readonly trialFails: boolean;
+  readonly forceN: number | undefined;
 }
 
 export interface WallWishes {
@@ -24,24 +23,6 @@ export interface WallWishes {
   say(person: number, name: string, text: string): void;
   watch(scene: string, station: string): void;
   operate(op: OperateOp, station: string): void;
-}
-
-interface Card {
-  readonly item: HTMLLIElement;
-  readonly doing: HTMLElement;
-  readonly seat: HTMLElement;
-  readonly force: HTMLElement; // bar and figure
-  readonly bar: HTMLElement;
-  readonly limit: HTMLElement;
-  readonly figure: HTMLElement;
-  readonly goal: HTMLElement;
-  readonly trial: HTMLElement;
-  readonly watch: HTMLButtonElement;
-  readonly admit: HTMLButtonElement;
-  readonly mute: HTMLButtonElement;
-  readonly back: HTMLButtonElement;
-  readonly sayTo: HTMLButtonElement;
-  now: OnWall;
 }
 
 /// Force at the full length of a bar without a limit [N], or else the multiple of the limit: an
@@ -73,7 +54,6 @@ export class ClassWall {
   });
   private readonly none = make("p.quiet", {say: "class.nobody"});
   private readonly list = make("ul.wall");
-  private readonly cards = new Map<string, Card>();
 
   constructor(private readonly wish: WallWishes) {
     this.end.addEventListener("click", () => wish.end());
@@ -123,101 +103,73 @@ export class ClassWall {
     setOptions(this.scene, scenes.map(option), chosen, say("class.no_seats"));
     this.begin.disabled = scenes.length === 0;
     this.end.hidden = begun === "";
-    const people = all.filter(({person}) => person > 0);
+    const people = all.map(({person}) => person).filter(({person}) => person > 0);
     const reach = people.map(({person, name}) => ({value: String(person), text: name}));
     const wanted = reach.some(({value}) => value === this.to.value) ? this.to.value : "0";
     setOptions(this.to, [{value: "0", text: say("class.all")}, ...reach], wanted, "");
     this.none.hidden = all.length > 0;
-    const keys = new Set(all.map(({key}) => key));
-    for (const [key, {item}] of this.cards) {
-      if (keys.has(key)) continue;
-      item.remove();
-      this.cards.delete(key);
-    }
-    all.forEach((one, place) => {
-      const card = this.cards.get(one.key) ?? this.addCard(one);
-      this.showCard(card, one);
-      if (this.list.children[place] !== card.item)
-        this.list.insertBefore(card.item, this.list.children[place] ?? null);
-    });
+    refill(this.list, ...all.map((one) => this.card(one)));
   }
 
-  private showCard(card: Card, now: OnWall): void {
-    card.now = now;
-    const {forceN, limitN, tone, station} = now;
-    card.item.className = tone;
+  private card(one: OnWall): HTMLLIElement {
+    const {scene, tone, forceN, goal, trial, person: of} = one;
+    const {name, person} = of;
+    const station = one.station?.id ?? "";
+    const limitN = goal && goal.limitN > 0 ? goal.limitN : Infinity;
     const isOver = forceN !== undefined && forceN > limitN;
-    card.item.classList.toggle("over", isOver);
-    setText(card.item.querySelector("b")!, now.name);
-    setText(card.seat, now.scene);
-    setText(card.doing, now.doing);
-    const fullN = Number.isFinite(limitN) ? kFullLimits * limitN : kFullN;
-    card.bar.style.width = `${100 * Math.min(1, (forceN ?? 0) / fullN)}%`;
-    card.limit.hidden = !Number.isFinite(limitN);
-    card.limit.style.left = `${100 / kFullLimits}%`;
+    const hasLimit = Number.isFinite(limitN);
+    const [bar, limit] = [make("span.fill"), make("span.limit", {hidden: !hasLimit})];
+    bar.style.width = `${100 * Math.min(1, (forceN ?? 0) / (hasLimit ? kFullLimits * limitN : kFullN))}%`;
+    limit.style.left = `${100 / kFullLimits}%`;
     const force = sayNumber(forceN ?? 0, 2);
-    const figure = Number.isFinite(limitN)
+    const figure = hasLimit
       ? say("class.of_limit", {force, limit: limitN})
       : say("class.newtons", {force});
-    setText(
-      card.figure,
-      forceN === undefined ? "–" : isOver ? `${figure}: ${say("class.too_much")}` : figure,
-    );
-    setText(card.goal, now.goal);
-    card.goal.hidden = now.goal === "" || tone === "away";
-    setText(card.trial, now.trial);
-    card.trial.hidden = now.trial === "";
-    card.trial.classList.toggle("alarm", now.trialFails);
-    card.watch.disabled = now.scene === "";
-    card.admit.hidden = tone !== "held";
-    card.mute.hidden = tone === "held" || station === "";
-    card.back.hidden = card.force.hidden = station === "";
-    setText(card.mute, say(tone === "muted" ? "class.unmute" : "class.mute"));
-    card.sayTo.hidden = now.person === 0 || tone === "away";
-  }
-
-  private addCard(now: OnWall): Card {
-    const operate = (op: OperateOp): void => this.wish.operate(op, card.now.station);
-    const {name} = now;
-    const [bar, limit] = [make("span.fill"), make("span.limit", {hidden: true})];
-    const card: Card = {
-      item: make("li"),
-      force: make("div"),
-      doing: make("span.doing"),
-      seat: make("span.seat"),
-      figure: make("output.figure", {ariaLive: "off", sayLabel: "class.force"}),
-      goal: make("p.goal-words"),
-      trial: make("p.trial"),
-      ...{bar, limit, now},
-      watch: press("class.watch", () => this.wish.watch(card.now.scene, card.now.station), {
-        title: () => say("class.watch_title", {name}),
-      }),
-      admit: press("class.admit", () => operate("admit"), {className: "primary"}),
-      mute: press("class.mute", () => operate(card.now.tone === "muted" ? "unmute" : "mute")),
-      back: press("class.take_back", () => operate("take_back")),
-      sayTo: press(
-        "class.say_to",
-        () => {
-          this.to.value = String(card.now.person);
-          this.line.focus();
-        },
-        {title: () => say("class.say_to_title", {name})},
-      ),
+    const words = isOver ? `${figure}: ${say("class.too_much")}` : figure;
+    const operate = (text: Key, op: OperateOp, more: object): HTMLButtonElement =>
+      press(text, () => this.wish.operate(op, station), more);
+    const sayTo = (): void => {
+      this.to.value = String(person);
+      this.line.focus();
     };
-    card.force.append(make("div.wall-force", {ariaHidden: "true"}, bar, limit), card.figure);
-    card.item.append(
-      make("p.top", make("b"), card.seat),
-      make("p", card.doing),
-      card.force,
-      card.trial,
-      card.goal,
+    const isOut = {hidden: station === ""};
+    const mute = {hidden: isOut.hidden || tone === "held"};
+    const item = make(
+      "li",
+      {className: isOver ? `${tone} over` : tone},
+      make("p.top", make("b", name), make("span.seat", scene)),
+      make("p", make("span.doing", one.doing)),
+      make(
+        "div",
+        isOut,
+        make("div.wall-force", {ariaHidden: "true"}, bar, limit),
+        make(
+          "output.figure",
+          {ariaLive: "off", ariaLabel: say("class.force")},
+          forceN === undefined ? "–" : words,
+        ),
+      ),
+      make("p.trial", {hidden: trial === ""}, trial),
+      make("p.goal-words", {hidden: !goal?.text || tone === "away"}, goal?.text ?? ""),
       make(
         "span.choices",
         {role: "group"},
-        ...[card.watch, card.admit, card.mute, card.back, card.sayTo],
+        press("class.watch", () => this.wish.watch(scene, station), {
+          ...{disabled: scene === "", title: say("class.watch_title", {name})},
+        }),
+        operate("class.admit", "admit", {className: "primary", hidden: tone !== "held"}),
+        tone === "muted"
+          ? operate("class.unmute", "unmute", mute)
+          : operate("class.mute", "mute", mute),
+        operate("class.take_back", "take_back", isOut),
+        press("class.say_to", sayTo, {
+          ...{hidden: person === 0 || tone === "away", title: say("class.say_to_title", {name})},
+        }),
       ),
     );
-    this.cards.set(now.key, card);
-    return card;
+    item.dataset.key = person === 0 ? station : String(person);
+    const isLost = of.trial?.phase === "unscored" || of.trial?.phase === "unentered";
+    item.querySelector(".trial")!.classList.toggle("alarm", isLost);
+    return item;
   }
 }

@@ -1,6 +1,9 @@
+import uPlot from "uplot";
+
 import {say, type Words} from "../messages/say";
 import type {TrialSpread} from "../protocol/history_messages";
-import {make, makeSvg} from "./elements";
+import {make} from "./elements";
+import {axisIn, colourOf} from "./plots";
 
 export type CurvePoint = readonly [n: number, points: number];
 
@@ -21,14 +24,21 @@ export interface CurveData {
   readonly others?: readonly {readonly key: number; readonly points: readonly CurvePoint[]}[];
 }
 
-const kLevels = [0, 25, 50, 75, 100];
 /// More lines than these cannot be told apart.
 const kMostOthers = 60;
 
+/// Names of the lines' colours in the style sheet.
+const kColours = {
+  ...{own: "accent", interval: "force", band: "past", median: "past", other: "quiet"},
+  pass: "quiet",
+} as const;
+export type Line = keyof typeof kColours;
+
 /// A curve drawn for the available width.
 export class Curve {
-  readonly body = make("div.curve");
+  readonly body = make("div.curve", {role: "img"});
   private data: CurveData | undefined;
+  private plot: uPlot | undefined;
 
   constructor() {
     new ResizeObserver(() => this.draw()).observe(this.body);
@@ -36,125 +46,83 @@ export class Curve {
 
   show(data: CurveData): void {
     this.data = data;
+    this.body.ariaLabel = data.label;
     this.draw();
   }
 
   /// Highlights one of the other lines.
   light(key: number | undefined): void {
-    for (const line of this.body.querySelectorAll<SVGElement>(".other"))
-      line.classList.toggle("lit", line.dataset["key"] === String(key));
+    const at = this.data?.others?.findIndex((one) => one.key === key) ?? -1;
+    this.plot?.setSeries(at < 0 ? null : kFirstOther + at, {focus: true});
   }
 
   private draw(): void {
     const {data} = this;
-    const width = this.body.clientWidth;
-    // Hidden, it is drawn again when it is shown, in the language of that moment.
-    if (!data || width === 0) return this.body.replaceChildren();
-    const frame = new Frame(width, data);
-    const svg = makeSvg("svg", {
-      ...{role: "img", "aria-label": data.label},
-      ...{width: String(width), height: String(frame.height)},
-    });
-    const add = (tag: "path" | "line" | "circle" | "rect", of: Attributes): SVGElement =>
-      svg.appendChild(makeSvg(tag, textOf(of)));
-    const line = (name: string, points: number, [x1, x2]: readonly [number, number]): void => {
-      const level = frame.y(points);
-      add("line", {class: name, x1, x2, y1: level, y2: level});
-    };
-    const path = (name: string, points: readonly CurvePoint[], end = ""): SVGElement =>
-      add("path", {class: name, d: frame.path(points) + end});
+    const {clientWidth: width, clientHeight: height} = this.body;
+    this.plot?.destroy();
+    this.plot = undefined;
+    if (!data || width === 0) return; // hidden, it is drawn when it is shown
     const {spread, pass, own, grade} = data;
-    for (const points of kLevels) line("grid", points, frame.ends);
-    frame.label(svg);
-    const high = spread.map((at): CurvePoint => [at.n, at.high]);
-    const low = spread.map((at): CurvePoint => [at.n, at.low]).reverse();
-    if (spread.length > 0) path("band", [...high, ...low], "Z");
-    for (const {key, points} of (data.others ?? []).slice(0, kMostOthers))
-      path("other", points).dataset["key"] = String(key);
-    if (spread.length > 0)
-      path(
-        "median",
-        spread.map(({n, median}) => [n, median]),
-      );
-    if (pass !== null) line("pass", pass, frame.ends);
-    if (grade) {
-      const ends = [frame.x(grade.from) - 5, frame.x(grade.to) + 5] as const;
-      const [x, width] = [ends[0], ends[1] - ends[0]];
-      if (grade.low !== null && grade.high !== null) {
-        const y = frame.y(grade.high);
-        add("rect", {class: "interval", x, y, width, height: frame.y(grade.low) - y, rx: 3});
-      }
-      line("mean", grade.mean, ends);
-    }
-    path("own", own);
-    for (const [n, points] of own)
-      add("circle", {class: "dot", cx: frame.x(n), cy: frame.y(points), r: 4});
-    this.body.replaceChildren(svg);
-  }
-}
-
-type Attributes = Readonly<Record<string, string | number>>;
-const textOf = (of: Attributes): Record<string, string> =>
-  Object.fromEntries(
-    Object.entries(of).map(([name, value]) => [
-      name,
-      typeof value === "number" ? String(Math.round(10 * value) / 10) : value,
-    ]),
-  );
-
-/// Maps trials and points to positions within a width, in units of the page's letter size.
-class Frame {
-  private readonly rem = Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
-  readonly height = 14.5 * this.rem;
-  readonly ends: readonly [number, number];
-  private readonly last: number;
-
-  constructor(width: number, {own, spread, others = []}: CurveData) {
-    this.ends = [2.2 * this.rem, width - 0.8 * this.rem];
+    const others = (data.others ?? []).slice(0, kMostOthers);
     const all = [...own, ...others.flatMap(({points}) => points)].map(([n]) => n);
-    this.last = [...all, ...spread.map(({n}) => n)].reduce((most, n) => Math.max(most, n), 1);
-  }
-
-  x(n: number): number {
-    const [left, right] = this.ends;
-    // A single trial is centred.
-    return left + (right - left) * (this.last === 1 ? 0.5 : (n - 1) / (this.last - 1));
-  }
-  y(points: number): number {
-    return 0.7 * this.rem + (this.height - 2.4 * this.rem) * (1 - points / 100);
-  }
-  path(points: readonly CurvePoint[]): string {
-    return points
-      .map(
-        ([n, value], i) =>
-          `${i > 0 ? "L" : "M"}${this.x(n).toFixed(1)} ${this.y(value).toFixed(1)}`,
-      )
-      .join("");
-  }
-
-  label(svg: SVGSVGElement): void {
-    const word = (text: number, of: Attributes): void => {
-      svg.appendChild(makeSvg("text", textOf(of))).textContent = String(text);
+    const last = [...all, ...spread.map(({n}) => n)].reduce((most, n) => Math.max(most, n), 1);
+    const trials = Array.from({length: last}, (_, i) => i + 1);
+    const values = (points: readonly CurvePoint[]) => {
+      const at = new Map(points);
+      return trials.map((n) => at.get(n) ?? null);
     };
-    const {rem} = this;
-    const [left, right] = this.ends;
-    for (const points of kLevels)
-      word(points, {x: left - 0.5 * rem, y: this.y(points) + 0.28 * rem, "text-anchor": "end"});
-    const step = Math.max(1, Math.ceil((1.8 * rem * (this.last - 1)) / (right - left)));
-    for (let n = 1; n <= this.last; n += step)
-      word(n, {x: this.x(n), y: this.height - 0.4 * rem, "text-anchor": "middle"});
+    const level = (points: number | null | undefined, from = 1, to = last) =>
+      values(trials.filter((n) => from <= n && n <= to).map((n) => [n, points!]));
+    const line = (of: Line, more: uPlot.Series = {}): uPlot.Series => ({
+      ...{stroke: colourOf(kColours[of]), width: 2, spanGaps: true, points: {show: false}},
+      ...more,
+    });
+    const edge = {points: {show: false}}; // of what is filled
+    const drawn: [(number | null)[], uPlot.Series][] = [
+      [values(spread.map(({n, high}) => [n, high])), edge],
+      [values(spread.map(({n, low}) => [n, low])), edge],
+      [level(grade?.high, grade?.from, grade?.to), edge],
+      [level(grade?.low, grade?.from, grade?.to), edge],
+      ...others.map(({points}): [(number | null)[], uPlot.Series] => [
+        values(points),
+        line("other", {width: 1}),
+      ]),
+      [values(spread.map(({n, median}) => [n, median])), line("median", {dash: [1, 5]})],
+      [level(pass), line("pass", {dash: [7, 4]})],
+      [level(grade?.mean, grade?.from, grade?.to), line("interval")],
+      [values(own), line("own", {points: {show: true, size: 8, fill: colourOf("glow")}})],
+    ];
+    const fill = (of: Line): string =>
+      `color-mix(in srgb, ${colourOf(kColours[of])} 22%, transparent)`;
+    const options: uPlot.Options = {
+      ...{width, height, cursor: {show: false}, legend: {show: false}, focus: {alpha: 0.25}},
+      scales: {x: {time: false, range: last > 1 ? [1, last] : [0, 2]}, y: {range: [0, 100]}},
+      axes: [
+        {...axisIn(1.8), grid: {show: false}, incrs: [1, 2, 5, 10, 20, 50]},
+        {...axisIn(2.4), splits: [0, 25, 50, 75, 100]},
+      ],
+      series: [{}, ...drawn.map(([, series]) => series)],
+      bands: [
+        {series: [1, 2], fill: fill("band")},
+        {series: [3, 4], fill: fill("interval")},
+      ],
+    };
+    this.plot = new uPlot(options, [trials, ...drawn.map(([points]) => points)], this.body);
   }
 }
+/// Of the series of uPlot, after the trials and the edges of what is filled.
+const kFirstOther = 5;
 
 /// A legend of the curve's lines.
-export function legend(...of: readonly (readonly [line: string, words: Words])[]): HTMLElement {
-  return make(
+export const legend = (...of: readonly (readonly [line: Line, words: Words])[]): HTMLElement =>
+  make(
     "ul.legend",
-    ...of.map(([line, words]) =>
-      make("li", make("span", {className: `key ${line}`}), make("span", words)),
-    ),
+    ...of.map(([line, words]) => {
+      const key = make("span", {className: `key ${line}`});
+      key.style.setProperty("--of", `var(--${kColours[line]})`);
+      return make("li", key, make("span", words));
+    }),
   );
-}
 
 /// Bars of the points that each criterion costs.
 export function lossBars(
@@ -164,10 +132,15 @@ export function lossBars(
   const worth = lost.filter(({points}) => points >= 0.5).slice(0, 5);
   const most = Math.max(...worth.map(({points}) => points), 1);
   const bars = worth.map(({criterion, points}) => {
-    const bar = make("span.bar-of", make("span.fill"));
-    bar.firstElementChild!.setAttribute("style", `width: ${(100 * points) / most}%`);
+    const bar = make("span.fill");
+    bar.style.width = `${(100 * points) / most}%`;
     const figure = say("history.lost", {points: Math.round(points)});
-    return make("li", make("span.criterion", criterion), make("span.cost", figure), bar);
+    return make(
+      "li",
+      make("span.criterion", criterion),
+      make("span.cost", figure),
+      make("span.bar-of", bar),
+    );
   });
   if (bars.length === 0) return make("p.quiet", say("history.no_loss"));
   return make("ol.losses", {ariaLabel: of}, ...bars);

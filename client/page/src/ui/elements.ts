@@ -108,9 +108,50 @@ export function setText(target: Element, text: Words): void {
 /// Sets the text of an element of index.html.
 export const setTextOf = (id: string, text: Words): void => setText(element(id, HTMLElement), text);
 
+/// Makes a table.   @param heads  a text, or a cell of its own
+export const table = (heads: readonly (string | Node)[], rows: readonly Node[]): HTMLTableElement =>
+  make(
+    "table",
+    make(
+      "thead",
+      make(
+        "tr",
+        ...heads.map((one) => (typeof one === "string" ? make("th", {scope: "col"}, one) : one)),
+      ),
+    ),
+    make("tbody", ...rows),
+  );
+
 /// Makes an option of a select.
 export const option = (words: Words, value: string): HTMLOptionElement =>
   make("option", {value}, words);
+
+/// Gives an element the children that were made anew, in place: what is focused or pressed stays.
+/// Those with a key (data-key) are found by it, the others by their place.
+export function refill(target: Element, ...fresh: readonly Node[]): void {
+  const old = [...target.childNodes];
+  const keyOf = (node: Node | undefined) => node instanceof HTMLElement && node.dataset.key;
+  fresh.forEach((node, place) => {
+    const key = keyOf(node);
+    const had = key ? old.find((one) => keyOf(one) === key) : old[place];
+    const isKept = had?.nodeName === node.nodeName && keyOf(had) === key;
+    const now = isKept ? had : node;
+    if (isKept && had instanceof HTMLElement) become(had, node as HTMLElement);
+    else if (isKept && had.textContent !== node.textContent) had.textContent = node.textContent;
+    if (target.childNodes[place] !== now)
+      target.insertBefore(now, target.childNodes[place] ?? null);
+  });
+  while (target.childNodes.length > fresh.length) target.lastChild!.remove();
+}
+
+function become(had: HTMLElement, fresh: HTMLElement): void {
+  for (const {name} of [...had.attributes])
+    if (!fresh.hasAttribute(name)) had.removeAttribute(name);
+  for (const {name, value} of fresh.attributes)
+    if (had.getAttribute(name) !== value) had.setAttribute(name, value);
+  had.onclick = fresh.onclick;
+  refill(had, ...fresh.childNodes);
+}
 
 /// Sets a select's options, unless they are unchanged.
 export function setOptions(
@@ -120,13 +161,7 @@ export function setOptions(
   none: string,
 ): void {
   const wanted = options.length > 0 ? options : [{value: "", text: none}];
-  const same =
-    select.options.length === wanted.length &&
-    wanted.every((option, i) => {
-      const have = select.options[i]!;
-      return have.value === option.value && have.text === option.text;
-    });
-  if (!same) select.replaceChildren(...wanted.map(({value, text}) => new Option(text, value)));
+  refill(select, ...wanted.map(({value, text}) => new Option(text, value)));
   if (select.value !== chosen) select.value = chosen;
   select.disabled = options.length < 2;
 }

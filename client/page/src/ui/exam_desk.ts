@@ -10,7 +10,7 @@ import type {
   ExamTurn,
   OpenExam,
 } from "../protocol/exam_messages";
-import {make, press, setText, sure} from "./elements";
+import {make, press, setText, sure, table} from "./elements";
 import {Room} from "./room";
 import {followLanguage} from "./spoken";
 
@@ -91,15 +91,15 @@ export class ExamDesk {
     const {down_s = 0, set_by_s = 0, closed, name} = open;
     const title = make("h3", ownText(open.title));
     const head = ["exam.person", "exam.at", "exam.trials", "exam.do"] as const;
-    const table = make(
-      "table",
-      make("thead", make("tr", ...head.map((key) => make("th", say(key))))),
-      make("tbody", ...people.map((person) => this.personRow(person, open))),
+    const rows = people.map((person) => this.personRow(person, open));
+    const list = table(
+      head.map((key) => say(key)),
+      rows,
     );
     if (closed) {
       const verify = `palpate-replay verify-exam COURSE --exam ${name} --key COURSE/exam-key.pub.pem --out certificate`;
       const words = make("p", say("exam.closed"));
-      return [title, words, make("pre", verify), table];
+      return [title, words, make("pre", verify), list];
     }
     const more = press(
       () => say("exam.more", {minutes: kMoreS / 60}),
@@ -109,13 +109,13 @@ export class ExamDesk {
     const bar = make("p.choices", this.clock, more, close);
     const told: HTMLElement[] = [title];
     if (set_by_s !== 0) told.push(make("p.word", say("exam.clock_set", {seconds: set_by_s})));
-    if (down_s === 0) return [...told, bar, table];
+    if (down_s === 0) return [...told, bar, list];
     const back = press(
       () => say("exam.give_back", {seconds: down_s}),
       () => this.wish({op: "give_back"}),
     );
     const down = make("p.word", say("exam.down", {seconds: down_s}), " ", back);
-    return [...told, down, bar, table];
+    return [...told, down, bar, list];
   }
 
   private personRow(whose: ExamPerson, open: OpenExam): HTMLElement {

@@ -6,7 +6,7 @@ import type {
   HistoryPerson,
 } from "../protocol/history_messages";
 import {Curve, legend, lossBars} from "./curve";
-import {make, makeSvg, setOptions} from "./elements";
+import {make, setOptions, table} from "./elements";
 import {criterionName, gradeFigure, gradeWords, namedLosses, titlesOf} from "./history_words";
 import {followLanguage} from "./spoken";
 
@@ -21,8 +21,9 @@ export class HistoryClass {
   private readonly pick = make("select", {id: "history-exercise"});
   private readonly curve = new Curve();
   private readonly losses = make("div");
-  private readonly head = make("tr");
-  private readonly rows = make("tbody");
+  private readonly everybody = make("div.table", {
+    ...{tabIndex: 0, role: "region", sayLabel: "history.everybody"},
+  });
   private readonly none = make("p.quiet", {say: "history.none"});
   private readonly figures: HTMLElement;
   private history: ClassHistory = {exercises: [], people: []};
@@ -48,13 +49,11 @@ export class HistoryClass {
       ),
     );
     const lost = make("section", make("h3", {say: "history.class_loses"}), this.losses);
-    const table = make("table", make("thead", this.head), this.rows);
-    const region = {className: "table", tabIndex: 0, role: "region"};
     this.figures = make(
       "div",
       make("p.pick-exercise", label),
       make("div.side-by-side", spread, lost),
-      make("div", {...region, sayLabel: "history.everybody"}, table),
+      this.everybody,
     );
     this.body.append(this.none, this.figures);
     followLanguage(() => {
@@ -92,13 +91,12 @@ export class HistoryClass {
     this.losses.replaceChildren(
       lossBars(exercise ? namedLosses(exercise) : [], say("history.class_loses")),
     );
-    this.head.replaceChildren(
-      this.sorter("history.person", false),
-      make("th", {scope: "col"}, say("history.course_of")),
-      this.sorter("history.grade", true),
-      make("th.wide", {scope: "col"}, say("history.trials")),
-      make("th.wide", {scope: "col"}, say("history.costs_most")),
-    );
+    const heads = [
+      ...[this.sorter("history.person", false), this.sorter("history.grade", true)],
+      ...(["history.trials", "history.costs_most"] as const).map((key) =>
+        make("th.wide", {scope: "col"}, say(key)),
+      ),
+    ];
     const rank = ({did}: Row): number => did?.grade.mean ?? Infinity;
     rows.sort(
       (a, b) =>
@@ -106,7 +104,8 @@ export class HistoryClass {
         (this.byGrade ? rank(a) - rank(b) || 0 : 0) ||
         a.person.name.localeCompare(b.person.name),
     );
-    this.rows.replaceChildren(...rows.map((row) => this.rowOf(row, exercise)));
+    const all = rows.map((row) => this.rowOf(row, exercise));
+    this.everybody.replaceChildren(table(heads, all));
   }
 
   private sorter(word: "history.person" | "history.grade", byGrade: boolean): HTMLElement {
@@ -116,7 +115,7 @@ export class HistoryClass {
       onclick: () => {
         this.byGrade = byGrade;
         this.draw();
-        this.head.querySelectorAll("button")[byGrade ? 1 : 0]?.focus();
+        this.everybody.querySelectorAll<HTMLElement>("button.sort")[byGrade ? 1 : 0]?.focus();
       },
     });
     const cell = make("th", {scope: "col"}, press);
@@ -144,7 +143,6 @@ export class HistoryClass {
     const row = make(
       "tr",
       who,
-      make("td", did ? sparkline(did.points) : ""),
       grade,
       make("td.wide", did ? sayNumber(did.done, 0) : ""),
       make(
@@ -164,21 +162,4 @@ export class HistoryClass {
     name.addEventListener("blur", () => light(false));
     return row;
   }
-}
-
-/// A curve of the points, as large as a word; its figures stand beside it.
-function sparkline(points: DoneSeries["points"]): SVGSVGElement {
-  const [width, height] = [96, 24];
-  const last = points.at(-1)?.[0] ?? 1;
-  const at = (points as readonly (readonly [number, number])[]).map(([n, value]) => [
-    last === 1 ? width / 2 : 3 + ((width - 6) * (n - 1)) / (last - 1),
-    3 + (height - 6) * (1 - value / 100),
-  ]);
-  const svg = makeSvg("svg", {
-    ...{class: "spark", viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true"},
-  });
-  svg.append(makeSvg("polyline", {points: at.map((one) => one.join(",")).join(" ")}));
-  const end = at.at(-1);
-  if (end) svg.append(makeSvg("circle", {cx: String(end[0]), cy: String(end[1]), r: "2.5"}));
-  return svg;
 }

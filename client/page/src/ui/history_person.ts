@@ -1,10 +1,10 @@
 import {scoreLink} from "../model/local_text";
-import {say, sayNumber} from "../messages/say";
+import {type Key, say, sayNumber} from "../messages/say";
 import {sayReason} from "../model/reasons";
 import {whenWords} from "../model/words";
 import type {HistoryTrial, OwnExercise, PersonHistory} from "../protocol/history_messages";
-import {Curve, legend, lossBars} from "./curve";
-import {make} from "./elements";
+import {Curve, legend, type Line, lossBars} from "./curve";
+import {make, table} from "./elements";
 import {criterionName, namedLosses, gradeFigure, gradeWords, titlesOf} from "./history_words";
 
 /// Most suggestions of what to practise next.
@@ -71,7 +71,7 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
   });
   const isPassed = pass !== null && grade.mean !== null && grade.mean >= pass;
   const verdict = isPassed ? "exercises.passed" : "exercises.not_yet";
-  const keys: [string, string][] = [
+  const keys: [Line, string][] = [
     ["own", say(isOwn ? "history.you" : "history.them")],
     ["interval", say("history.mean")],
   ];
@@ -115,7 +115,6 @@ function articleOf(exercise: OwnExercise, title: string, isOwn: boolean): HTMLEl
 function tableOf(exercise: OwnExercise): HTMLElement {
   const {done} = exercise;
   const criteria = [...new Set(done.flatMap(({marks}) => marks.map(({criterion}) => criterion)))];
-  const head = (textContent: string): HTMLElement => make("th", {scope: "col"}, textContent);
   const figure = (points: number | null | undefined): HTMLElement =>
     make("td.number", points == null ? "–" : sayNumber(points, 0));
   const rows = [...done].reverse().map((trial) => {
@@ -147,22 +146,18 @@ function tableOf(exercise: OwnExercise): HTMLElement {
       ),
     );
   });
-  const table = make(
-    "table",
-    make(
-      "thead",
-      make(
-        "tr",
-        ...[
-          ...[say("history.trial"), say("history.when"), say("history.points")],
-          ...[say("history.page"), say("history.state")],
-          ...criteria.map((name) => criterionName(exercise, name)),
-        ].map(head),
-      ),
-    ),
-    make("tbody", ...rows),
-  );
-  const region = make("div.table", {tabIndex: 0, role: "region"}, table);
+  const heads = [
+    "history.trial",
+    "history.when",
+    "history.points",
+    "history.page",
+    "history.state",
+  ];
+  const all = [
+    ...heads.map((key) => say(key as Key)),
+    ...criteria.map((name) => criterionName(exercise, name)),
+  ];
+  const region = make("div.table", {tabIndex: 0, role: "region"}, table(all, rows));
   region.ariaLabel = say("history.trials");
   return region;
 }

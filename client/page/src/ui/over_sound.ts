@@ -1,3 +1,5 @@
+import {heard} from "./bur_sound";
+
 const kHz = 660;
 const kLoudness = 0.2;
 const kFadeS = 0.02; // short, but long enough to avoid a click
@@ -5,7 +7,6 @@ const kFadeS = 0.02; // short, but long enough to avoid a click
 /// A tone while the force exceeds its limit, if the reader has enabled it.
 export class OverSound {
   private wanted = false;
-  private sounds = false;
   private context: AudioContext | undefined;
   private gain: GainNode | undefined;
 
@@ -21,22 +22,15 @@ export class OverSound {
   }
 
   update(isOver: boolean): void {
-    const sounds = isOver && this.wanted;
-    if (!this.context || sounds === this.sounds) return;
-    this.sounds = sounds;
-    this.gain?.gain.setTargetAtTime(sounds ? kLoudness : 0, this.context.currentTime, kFadeS);
+    const loudness = isOver && this.wanted ? kLoudness : 0;
+    this.gain?.gain.setTargetAtTime(loudness, this.context!.currentTime, kFadeS);
   }
 
   private begin(): void {
     if (!this.wanted) return;
-    if (!this.context) {
-      this.context = new AudioContext();
-      this.gain = new GainNode(this.context, {gain: 0});
-      this.gain.connect(this.context.destination);
-      const tone = new OscillatorNode(this.context, {type: "triangle", frequency: kHz});
-      tone.connect(this.gain);
-      tone.start();
-    }
+    this.context ??= new AudioContext();
+    const tone = {type: "triangle", frequency: kHz} as const;
+    this.gain ??= heard(this.context, new OscillatorNode(this.context, tone));
     void this.context.resume();
   }
 }

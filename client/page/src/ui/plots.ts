@@ -27,6 +27,26 @@ export interface PlotTime {
   readonly gaps: readonly {readonly fromS: number; readonly toS: number}[]; // not recorded
 }
 
+/// A colour of the style sheet as it is now.
+export const colourOf = (name: string): string =>
+  getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+/// How an axis looks.   @param size  in letters
+export function axisIn(size: number): uPlot.Axis {
+  const {fontFamily, fontSize} = getComputedStyle(document.body);
+  const px = Math.max(11, 0.72 * Number.parseFloat(fontSize));
+  const grid = {stroke: colourOf("line"), width: 1};
+  const stroke = colourOf("quiet");
+  return {
+    stroke,
+    font: `${px}px ${fontFamily}`,
+    size: size * px,
+    gap: 6,
+    grid,
+    ticks: {show: false},
+  };
+}
+
 /// Live plots of one station, stacked, with a common time axis.
 export class Plots {
   private plots: {plot: uPlot; value: HTMLOutputElement; unit: string; figure: number}[] = [];
@@ -47,24 +67,19 @@ export class Plots {
   /// Builds them again, in the style sheet's present colours.
   build(): void {
     for (const {plot} of this.plots) plot.destroy();
-    const style = getComputedStyle(document.documentElement);
-    const colour = (name: string): string => style.getPropertyValue(`--${name}`).trim();
     this.parent.replaceChildren();
     this.plots = this.wanted.map((name, i) => {
       const kind = kKinds[name];
       const isLast = i === this.wanted.length - 1;
       const value = make("output", {ariaLive: "off"}); // the announcer does that
-      value.style.color = colour(kind.colour);
+      value.style.color = `var(--${kind.colour})`;
       const title = say(kind.title);
       const header = make("header", make("h3", title), value);
       const chart = make("div.chart", {role: "img"});
       chart.ariaLabel = say("figure.last_seconds", {figure: title, seconds: kHistoryS});
       this.parent.append(make("div", {className: isLast ? "plot last" : "plot"}, header, chart));
-      const plot = new uPlot(
-        options(kind, chart, isLast, colour, () => this.time),
-        [[], []],
-        chart,
-      );
+      const time = (): PlotTime => this.time;
+      const plot = new uPlot(options(kind, chart, isLast, time), [[], []], chart);
       return {plot, value, unit: kind.unit, figure: kFigures.indexOf(name)};
     });
   }
@@ -116,18 +131,14 @@ function options(
   kind: PlotKind,
   chart: HTMLElement,
   isLast: boolean,
-  colour: (name: string) => string,
   time: () => PlotTime,
 ): uPlot.Options {
-  const {fontFamily, fontSize} = getComputedStyle(document.body);
-  const px = Math.max(11, 0.72 * Number.parseFloat(fontSize));
-  const font = `${px}px ${fontFamily}`;
-  const line = {stroke: colour("line"), width: 1};
+  const colour = colourOf(kind.colour);
   return {
     width: Math.max(1, chart.clientWidth),
     height: Math.max(1, chart.clientHeight),
     legend: {show: false},
-    hooks: {drawClear: [(plot) => shadeGaps(plot, time(), colour("gap"))]},
+    hooks: {drawClear: [(plot) => shadeGaps(plot, time(), colourOf("gap"))]},
     cursor: {show: false},
     padding: [6, 14, isLast ? 0 : 4, 0],
     scales: {
@@ -136,13 +147,7 @@ function options(
     },
     axes: [
       {
-        show: isLast,
-        stroke: colour("quiet"),
-        font,
-        size: 1.8 * px,
-        gap: 2,
-        grid: {show: false},
-        ticks: {show: false},
+        ...{...axisIn(1.8), show: isLast, gap: 2, grid: {show: false}},
         splits: () => (time().isRecorded ? fullSeconds(time().nowS) : [-10, -5, 0]),
         values: (_plot, splits) =>
           splits.map((split) =>
@@ -154,22 +159,16 @@ function options(
           ),
       },
       {
-        stroke: colour("quiet"),
-        font,
-        size: 3.6 * px,
-        gap: 6,
-        grid: line,
-        ticks: {show: false},
-        space: 26,
+        ...{...axisIn(3.6), space: 26},
         values: (_plot, splits) => splits.map((split) => split.toLocaleString(locale())),
       },
     ],
     series: [
       {},
       {
-        stroke: colour(kind.colour),
+        stroke: colour,
         width: 1.75,
-        fill: `color-mix(in srgb, ${colour(kind.colour)} 12%, transparent)`,
+        fill: `color-mix(in srgb, ${colour} 12%, transparent)`,
         // A single point, as after a seek of a paused replay, is no line.
         points: {show: (plot) => plot.data[0].length === 1, size: 6},
         // A pause of the data is drawn as a gap.

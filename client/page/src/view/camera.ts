@@ -3,7 +3,7 @@ import {OrbitControls} from "three/examples/jsm/controls/OrbitControls.js";
 
 import type {FirstSight} from "../model/bundle";
 import {add, scale, subtract, type Vec3} from "../base/pose";
-import type {Room} from "../model/edge_place";
+import {edgePlace, type EdgePlace, type Room} from "../model/edge_place";
 import type {ViewFrame} from "../mouse/tool_motion";
 
 const kFieldOfViewDeg = 32;
@@ -97,6 +97,13 @@ export class Camera {
     at.theta += azimuth;
     this.eye.position.setFromSpherical(at).add(target);
     this.controls.update();
+  }
+
+  /// Where an arrow to a point outside the room is; undefined: the point is in the room.
+  edgePlace(point: Vec3, room: Room, inset: number): EdgePlace | undefined {
+    const at = new Vector3(...point).applyMatrix4(this.eye.matrixWorldInverse).toArray();
+    const tan = Math.tan(MathUtils.degToRad(0.5 * kFieldOfViewDeg));
+    return edgePlace(at, tan, room, this.canvas.clientHeight, inset);
   }
 
   viewFrame(at: Vec3): ViewFrame {

@@ -78,47 +78,22 @@ class CutPlaces {
 
   /// Makes a material discard the mesh where its block is cut.
   leaveOut(material: Material): void {
-    extend(material, "left out where cut", this.uniforms, (shader) => {
-      shader.vertexShader = shader.vertexShader.replace(
-        "void main() {",
-        `uniform vec3 uBegin;
-uniform float uPerBlock;
-varying vec3 vBlock;
-void main() {
-  vBlock = uPerBlock * (position - uBegin);`,
-      );
-      shader.fragmentShader = shader.fragmentShader.replace(
-        "void main() {",
-        `uniform highp sampler3D uCut;
-varying vec3 vBlock;
-void main() {
-  if (texelFetch(uCut, ivec3(vBlock), 0).r > 0.5) discard;`,
-      );
-    });
+    const {uniforms} = this;
+    const main = "vBlock = uPerBlock * (position - uBegin);";
+    const leave = {main: "if (texelFetch(uCut, ivec3(vBlock), 0).r > 0.5) discard;"};
+    extend(material, "left out where cut", uniforms, ["vec3 vBlock"], {main}, leave);
   }
 
   /// Neighbouring blocks close the seam; the mesh hides the rest of them.  The offset changes only
   /// the depth, so no gap opens between the two.
   putBehind(material: Material): void {
-    extend(material, "behind where not cut", this.uniforms, (shader) => {
-      shader.vertexShader = shader.vertexShader
-        .replace(
-          "void main() {",
-          `uniform highp sampler3D uCut;
-uniform vec3 uBegin;
-uniform float uPerBlock;
-uniform float uBehind;
-void main() {`,
-        )
-        .replace(
-          "#include <project_vertex>",
-          `#include <project_vertex>
+    const behind = `#include <project_vertex>
   if (texelFetch(uCut, ivec3(uPerBlock * (position - uBegin)), 0).r < 0.5) {
     vec4 behind = projectionMatrix * (mvPosition - vec4(0.0, 0.0, uBehind, 0.0));
     gl_Position.z = behind.z * gl_Position.w / behind.w;
-  }`,
-        );
-    });
+  }`;
+    const vertex = {at: {"#include <project_vertex>": behind}};
+    extend(material, "behind where not cut", this.uniforms, [], vertex, {});
   }
 }
 

@@ -16,26 +16,10 @@ export function addFlutes(
     uHead: {value: Math.max(...curve.map(([, y]) => y)) + rounding},
     uPitch: {value: Math.max(...curve.map(([rho]) => rho)) + rounding},
   };
-  extend(material, "flutes", uniforms, (shader) => {
-    shader.vertexShader = shader.vertexShader.replace(
-      "void main() {",
-      "varying vec3 vBur;\nvoid main() {\n  vBur = position;",
-    );
-    shader.fragmentShader = shader.fragmentShader
-      .replace(
-        "void main() {",
-        `uniform float uTurns;
-uniform float uHead;
-uniform float uPitch;
-varying vec3 vBur;
-void main() {`,
-      )
-      .replace(
-        "#include <color_fragment>",
-        `#include <color_fragment>
+  const dark = `#include <color_fragment>
   float flute = sin(8.0 * atan(vBur.x, vBur.z) + 4.0 * vBur.y / uPitch);
   float dark = mix(0.6 * smoothstep(-0.2, 0.6, flute), 0.25, uTurns);
-  diffuseColor.rgb *= 1.0 - dark * step(vBur.y, uHead);`,
-      );
-  });
+  diffuseColor.rgb *= 1.0 - dark * step(vBur.y, uHead);`;
+  const fragment = {at: {"#include <color_fragment>": dark}};
+  extend(material, "flutes", uniforms, ["vec3 vBur"], {main: "vBur = position;"}, fragment);
 }

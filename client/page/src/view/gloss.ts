@@ -5,13 +5,14 @@ import {
   DataUtils,
   HalfFloatType,
   LinearFilter,
+  type Material,
   MeshMatcapMaterial,
   RGBAFormat,
-  type WebGLProgramParametersWithUniforms,
 } from "three";
 
 import type {Vec3} from "../base/pose";
 import type {Surface} from "../model/surface";
+import {extend} from "./extend";
 import type {Look} from "./looks";
 import {paintForScreen} from "./still_layer";
 
@@ -102,38 +103,28 @@ export function glossy(look: Look): MeshMatcapMaterial {
       "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb;",
       "vec3 outgoingLight = diffuseColor.rgb * matcapColor.rgb + matcapColor.a * vColor.a;",
     );
-    if (look.marks) addMarks(shader);
   };
-  material.customProgramCacheKey = () => (look.marks ? "marked" : "glossy");
+  material.customProgramCacheKey = () => "glossy";
+  if (look.marks) addMarks(material);
   return material;
 }
 
 /// Adds a probe's marks after UNC-15 to its straight part: a line at each millimetre from its tip,
 /// and bands from 4 to 5 and from 9 to 10.  By position and not by vertex, so the mesh stays the
 /// one that is felt.
-function addMarks(shader: WebGLProgramParametersWithUniforms): void {
-  shader.vertexShader = shader.vertexShader.replace(
-    "void main() {",
-    "varying float vFromTipMm;\nvoid main() {\n\tvFromTipMm = 1e3 * position.y;",
-  );
-  shader.fragmentShader = shader.fragmentShader
-    .replace(
-      "void main() {",
-      `varying float vFromTipMm;
-float band(float from, float to) {
+function addMarks(material: Material): void {
+  const functions = `float band(float from, float to) {
   float soft = max(1e-3, fwidth(vFromTipMm));
   return smoothstep(from - soft, from + soft, vFromTipMm)
        * (1.0 - smoothstep(to - soft, to + soft, vFromTipMm));
-}
-void main() {`,
-    )
-    .replace(
-      "vec3 outgoingLight",
-      `float mark = max(band(4.0, 5.0), band(9.0, 10.0));
+}`;
+  const marks = `float mark = max(band(4.0, 5.0), band(9.0, 10.0));
   for (int mm = 1; mm <= 10; mm++) mark = max(mark, band(float(mm) - 0.07, float(mm) + 0.07));
   diffuseColor.rgb *= 1.0 - 0.88 * mark;
-  vec3 outgoingLight`,
-    );
+  vec3 outgoingLight`;
+  const fragment = {functions, at: {"vec3 outgoingLight": marks}};
+  const vertex = {main: "vFromTipMm = 1e3 * position.y;"};
+  extend(material, "marked", {}, ["float vFromTipMm"], vertex, fragment);
 }
 
 /// Returns the look's colour at each vertex, and as fourth component the visibility

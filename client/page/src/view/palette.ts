@@ -1,6 +1,7 @@
 import {Color} from "three";
 
 import type {Tissue} from "../model/tissue";
+import {colourOf} from "../ui/plots";
 
 const kNames = [
   ...(["force", "torque", "contact", "halo", "ghost", "ink", "paper", "glow"] as const),
@@ -15,8 +16,7 @@ export type Palette = Readonly<Record<(typeof kNames)[number], Color>> & {
 };
 
 export function readPalette(): Palette {
-  const style = getComputedStyle(document.documentElement);
-  const colour = (name: string): Color => new Color(style.getPropertyValue(`--${name}`).trim());
+  const colour = (name: string): Color => new Color(colourOf(name));
   const colours = Object.fromEntries(kNames.map((name) => [name, colour(name)]));
   return {
     ...(colours as Record<(typeof kNames)[number], Color>),

@@ -13,13 +13,9 @@ const kClear = "0.82, 0.92";
 /// Gives a closed body that the eye is in a flat cross-section, not a hole.
 export function capEnds(material: Material): void {
   material.side = DoubleSide;
-  extend(material, "capped", {}, (shader) => {
-    shader.fragmentShader = shader.fragmentShader.replace(
-      "#include <opaque_fragment>",
-      `if (!gl_FrontFacing) outgoingLight = 0.15 * diffuseColor.rgb;
-  #include <opaque_fragment>`,
-    );
-  });
+  const cap = `if (!gl_FrontFacing) outgoingLight = 0.15 * diffuseColor.rgb;
+  #include <opaque_fragment>`;
+  extend(material, "capped", {}, [], {}, {at: {"#include <opaque_fragment>": cap}});
 }
 
 /// Makes the shaft transparent where it hides what surrounds the end.
@@ -35,40 +31,16 @@ export function clear(solid: Material, veil: Material, end: Vector3, sightM: num
     [solid, "solid", "if (clear > 0.0) discard;"],
     [veil, "veil", "if (clear <= 0.0) discard;\n  diffuseColor.a *= 1.0 - 0.8 * clear;"],
   ];
-  for (const [material, name, leave] of parts) {
-    extend(material, name, uniforms, (shader) => {
-      shader.vertexShader = shader.vertexShader
-        .replace(
-          "void main() {",
-          `uniform vec3 uEnd;
-varying vec3 vEnd;
-varying vec3 vAt;
-varying float vFrom;
-void main() {`,
-        )
-        .replace(
-          "#include <project_vertex>",
-          `#include <project_vertex>
+  const seen = `#include <project_vertex>
   vEnd = (modelViewMatrix * vec4(uEnd, 1.0)).xyz;
   vAt = mvPosition.xyz;
-  vFrom = distance(position, uEnd);`,
-        );
-      shader.fragmentShader = shader.fragmentShader
-        .replace(
-          "void main() {",
-          `uniform float uReach;
-varying vec3 vEnd;
-varying vec3 vAt;
-varying float vFrom;
-void main() {
-  float clear = smoothstep(uReach, 1.2 * uReach, vFrom)
-    * smoothstep(${kClear}, dot(normalize(vAt - vEnd), normalize(-vEnd)));`,
-        )
-        .replace(
-          "#include <opaque_fragment>",
-          `${leave}
-  #include <opaque_fragment>`,
-        );
-    });
+  vFrom = distance(position, uEnd);`;
+  const main = `float clear = smoothstep(uReach, 1.2 * uReach, vFrom)
+    * smoothstep(${kClear}, dot(normalize(vAt - vEnd), normalize(-vEnd)));`;
+  const varyings = ["vec3 vEnd", "vec3 vAt", "float vFrom"];
+  const vertex = {at: {"#include <project_vertex>": seen}};
+  for (const [material, name, leave] of parts) {
+    const at = {"#include <opaque_fragment>": `${leave}\n  #include <opaque_fragment>`};
+    extend(material, name, uniforms, varyings, vertex, {main, at});
   }
 }

@@ -10,6 +10,7 @@ import {
 
 import type {Body, SphereLevel} from "../model/bundle";
 import type {BodyMesh} from "./body_mesh";
+import {extend} from "./extend";
 import type {Palette} from "./palette";
 import {paintForScreen} from "./still_layer";
 
@@ -23,15 +24,10 @@ const kRoundness = [
 
 /// Clear in the middle, with a rim, so that nested spheres can be told apart.
 function asBubble(material: MeshStandardMaterial): void {
-  material.onBeforeCompile = (shader) => {
-    paintForScreen(shader);
-    shader.fragmentShader = shader.fragmentShader.replace(
-      "#include <opaque_fragment>",
-      `float facing = abs(dot(normalize(normal), normalize(vViewPosition)));
-      diffuseColor.a = 0.05 + 0.6 * pow(1.0 - facing, 3.0);
-      #include <opaque_fragment>`,
-    );
-  };
+  const bubble = `float facing = abs(dot(normalize(normal), normalize(vViewPosition)));
+  diffuseColor.a = 0.05 + 0.6 * pow(1.0 - facing, 3.0);
+  #include <opaque_fragment>`;
+  extend(material, "bubble", {}, [], {}, {at: {"#include <opaque_fragment>": bubble}});
 }
 
 /// One level of a body's sphere tree.
@@ -51,8 +47,8 @@ class SphereCloud {
       transparent: !isLeaves,
       depthWrite: isLeaves,
     });
-    if (isLeaves) material.onBeforeCompile = paintForScreen;
-    else asBubble(material);
+    material.onBeforeCompile = paintForScreen;
+    if (!isLeaves) asBubble(material);
     this.mesh = new InstancedMesh(new IcosahedronGeometry(1, detail), material, count);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = isLeaves ? 0 : 5;

@@ -25,25 +25,7 @@ export function markTissues(material: Material, {regions, cutColours}: Body): vo
     uTissue: {value: shown.map(colourOf)},
     uOver: {value: [new Color(-1, -1, -1), ...over.map(colourOf)]},
   };
-  extend(material, `tissues ${shown.length} ${over.length}`, uniforms, (shader) => {
-    shader.vertexShader = shader.vertexShader.replace(
-      "void main() {",
-      "varying vec3 vBody;\nvoid main() {\n  vBody = position;",
-    );
-    shader.fragmentShader = shader.fragmentShader
-      .replace(
-        "void main() {",
-        `uniform vec3 uLow[${shown.length}];
-uniform vec3 uHigh[${shown.length}];
-uniform float uRadius[${shown.length}];
-uniform vec3 uTissue[${shown.length}];
-uniform vec3 uOver[${1 + over.length}];
-varying vec3 vBody;
-void main() {`,
-      )
-      .replace(
-        "#include <color_fragment>",
-        `#include <color_fragment>
+  const mark = `#include <color_fragment>
   float under = 1.0;
   for (int i = 0; i <= ${over.length}; i++)
     under = min(under, step(0.01, distance(diffuseColor.rgb, uOver[i])));
@@ -53,7 +35,8 @@ void main() {`,
                                      : max(past.x, max(past.y, past.z));
     float soft = max(1e-5, fwidth(outside));
     diffuseColor.rgb = mix(uTissue[i], diffuseColor.rgb, max(1.0 - under, smoothstep(-soft, soft, outside)));
-  }`,
-      );
-  });
+  }`;
+  const [name, vertex] = [`tissues ${shown.length} ${over.length}`, {main: "vBody = position;"}];
+  const fragment = {at: {"#include <color_fragment>": mark}};
+  extend(material, name, uniforms, ["vec3 vBody"], vertex, fragment);
 }
