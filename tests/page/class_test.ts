@@ -65,11 +65,16 @@ test("a teacher pastes names and has a link and a QR code for each, once", async
   expect(await page.locator(".link-cards li").count()).toBe(0);
 });
 
-test("links are made for 200 names at once, until all have one", async () => {
+test("names found in a table are shown before their links are made, 200 at once", async () => {
   tellPeople(person(1, "teacher", {role: "operate"}));
   await openClass({people: [{person: 2, name: "Anna Weber", token: "palpate_a"}]});
+  await page.fill("#class-names", "Name;Vorname;Mail\nWeber;Anna;a@b.de\nMüller;Zoë;z@b.de");
+  await press("Make their links");
+  await reads(".found", /2 names found/);
+  expect(await page.inputValue("#class-names")).toBe("Anna Weber\nZoë Müller");
+  expect(gateway.published).toEqual([]);
   const many = Array.from({length: 450}, (_, i) => `Student ${i}`);
-  await page.fill("#class-names", many.join("\n").replaceAll(" ", "\t"));
+  await page.fill("#class-names", many.join("\n"));
   await press("Make their links");
   await eventually("three wishes", () => gateway.published.length === 3);
   const wishes = gateway.published as {names: string[]}[];

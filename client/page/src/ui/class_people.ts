@@ -1,4 +1,5 @@
 import {type Key, say} from "../messages/say";
+import {namesIn} from "../model/name_table";
 import type {MadePerson, Person, Role} from "../protocol/class_messages";
 import {make, option, press, setText, sure} from "./elements";
 import {qrSvg} from "./qr";
@@ -31,6 +32,7 @@ export class ClassPeople {
   private readonly names = make("textarea", {
     ...{id: "class-names", rows: 6, sayPlaceholder: "class.names_hint", spellcheck: false},
   });
+  private readonly found = make("p.found", {role: "status", hidden: true});
   private readonly role = make("select", {id: "class-role"});
   private readonly links = make("section.links", {hidden: true});
   private readonly cards = make("ul.link-cards");
@@ -51,6 +53,7 @@ export class ClassPeople {
       make("h3", {say: "class.add_title"}),
       make("label", {htmlFor: this.names.id, say: "class.names"}),
       this.names,
+      this.found,
       make("label", {htmlFor: this.role.id}, () => `${say("class.role")} `, this.role),
       make("button.primary", {type: "submit", say: "class.make"}),
     );
@@ -68,11 +71,14 @@ export class ClassPeople {
     this.body.append(make("div.left", add, roster), this.links);
   }
 
-  /// Cells of a spreadsheet that are pasted are parts of a name.
+  /// Names found in a table are shown first: which column is the family's may be a guess.
   private make(): void {
-    const lines = this.names.value.split("\n").map((line) => line.replace(/\s+/g, " ").trim());
-    const names = lines.filter((name) => name !== "");
-    if (names.length > 0) this.wish.make(names, this.role.value as Role);
+    const {names, fromTable} = namesIn(this.names.value);
+    this.found.hidden = !fromTable;
+    if (fromTable) {
+      this.names.value = names.join("\n");
+      setText(this.found, () => say("class.from_table", {count: names.length}));
+    } else if (names.length > 0) this.wish.make([...names], this.role.value as Role);
     else this.names.focus();
   }
 
