@@ -59,8 +59,8 @@ std::string FindSceneFile(const std::string& name_or_path);
 /// (SceneDescription).  False for a mesh or a bundle.  Throws Error.
 bool IsWholeAtStart(const std::string& name_or_path);
 
-/// Returns the path of the hand's script beside that file, NAME.path.json, which need not exist.
-/// @param tool  the tool's own, NAME.TOOL.path.json, if that exists
+/// Returns the path of the hand's script beside a scene's file, NAME.path.json, which need not
+/// exist; or of a tool's own, NAME.TOOL.path.json, if that exists.
 std::string ScriptFileBeside(const std::string& name_or_path, const std::string& tool = "");
 
 /// Returns the path of the criteria that palpate-replay score grades by: NAME.criteria.json.

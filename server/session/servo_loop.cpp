@@ -143,6 +143,12 @@ void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
   period_.store(newest, std::memory_order_release);
 }
 
+void ServoLoop::Leave() noexcept {
+  if (!world_->is_shared() || answers_ == 0) return;
+  const World::Turn turn(*world_);
+  world_->Leave(tool_, hand_);
+}
+
 void ServoLoop::LoseStart() noexcept {
   started_ = false;
   voids_.fetch_add(1, std::memory_order_release);

@@ -122,6 +122,8 @@ class ServoLoop {
   bool TakeMerge(CutMerge& merge) { return merges_ && merges_->Pop(merge); }
   /// What burs removed from each solid.  Use it only before the first pose, or after the last.
   std::vector<CutField>& cuts() { return state().cut.fields; }
+  /// Call after the last pose: where hands meet, the others' world goes on without this one.
+  void Leave() noexcept;
   /// Valid after the last pose: its sequence number, and how many poses were answered.
   std::uint64_t last_sequence() const { return last_sequence_; }
   std::uint32_t answers() const { return answers_; }

@@ -179,7 +179,7 @@ void SessionTable::Update(std::int64_t now_ns) {
     if (session.ended() && session.has_heard()) {
       cut_off_[session.tool().scene] = session.left() ? "" : session.station();
     }
-    if (session.ended() && !session.loop().cuts().empty()) ending_.push_back(it->second);
+    if (session.ended()) ending_.push_back(it->second);
     it = session.ended() ? sessions_.erase(it) : std::next(it);
   }
   for (const auto& [station, session] : sessions_) {
@@ -268,8 +268,10 @@ void SessionTable::Begin(Session& session) {
 
 void SessionTable::RetireEnded(std::int64_t now_ns) {
   for (const auto& session : std::exchange(ending_, {})) {
-    SceneChanges& scene = scenes_.find(session->tool().scene)->second;
-    scene.cuts().End(*session, TakerOf(scene, now_ns));
+    session->loop().Leave();
+    const auto scene = scenes_.find(session->tool().scene);
+    if (scene == scenes_.end() || session->loop().cuts().empty()) continue;
+    scene->second.cuts().End(*session, TakerOf(scene->second, now_ns));
   }
 }
 
@@ -353,7 +355,7 @@ void SessionTable::EndAll(const std::string& reason) {
   for (auto& [station, session] : sessions_) {
     session->End(reason);
     Publish(*session);
-    if (!session->loop().cuts().empty()) ending_.push_back(session);
+    ending_.push_back(session);
   }
   RetireEnded(0);
   sessions_.clear();

@@ -59,7 +59,8 @@ class SessionTable {
   void Request(const wire::WholeRequest& request);
   /// Updates all sessions; removes ended ones from the table.
   void Update(std::int64_t now_ns);
-  /// Call when no more poses come to ended sessions: the cuts of their burs become their scenes'.
+  /// Call when no more poses come to ended sessions: the cuts of their burs become their scenes',
+  /// and their hands leave the others'.
   void RetireEnded(std::int64_t now_ns);
   /// Call after RetireEnded and before a session's first pose: gives it the current state
   /// of its scene's solids.
@@ -144,7 +145,7 @@ class SessionTable {
   std::map<std::string, std::string> cut_off_;            // by scene: whose session was cut off
   std::map<std::string, SceneChanges> scenes_;            // by name; those that burs can cut
   std::map<std::string, std::shared_ptr<World>> worlds_;  // by scene, in which hands meet
-  // Sessions that have ended but may still answer poses; only in scenes with solids.
+  // Sessions that have ended but may still answer poses.
   std::vector<std::shared_ptr<Session>> ending_;
   std::vector<wire::LoopWhole> loop_wholes_;
   std::vector<wire::SceneWhole> wholes_;

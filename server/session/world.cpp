@@ -38,7 +38,8 @@ void World::Hear(std::size_t tool, std::uint32_t hand) noexcept {
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     Tool& other = *tools_[i];
     if (other.hand == 0 || other.hand == hand) continue;
-    if (++other.silent[tool] > std::max(kPatience, kPauses * other.pause)) Fade(i);
+    const double patience = other.is_left ? 0.0 : std::max(kPatience, kPauses * other.pause);
+    if (++other.silent[tool] > patience) Fade(i);
   }
 }
 
@@ -76,8 +77,17 @@ bool World::Place(std::size_t tool, std::uint32_t hand, const Pose& X_WG) noexce
 
 void World::LetGo(std::size_t tool) noexcept {
   tools_[tool]->hand = 0;
+  tools_[tool]->is_left = false;
   gain(tool) = 0.0;
   for (std::size_t i = 0; i < tool; ++i) FrameOf(tool, i).Leave();
+}
+
+void World::Leave(std::size_t tool, std::uint32_t hand) noexcept {
+  ++step_count_;
+  if (tools_[tool]->hand == hand) tools_[tool]->is_left = true;
+  const auto is_held = [](const auto& one) { return one->hand != 0 && !one->is_left; };
+  if (std::ranges::any_of(tools_, is_held)) return;
+  for (std::size_t i = 0; i < tools_.size(); ++i) LetGo(i);
 }
 
 void World::Fade(std::size_t tool) noexcept {

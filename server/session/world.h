@@ -76,6 +76,9 @@ class World {
   bool Place(std::size_t tool, std::uint32_t hand, const Pose& X_WG) noexcept;
   bool Holds(std::size_t tool, std::uint32_t hand) const { return tools_[tool]->hand == hand; }
   void LetGo(std::size_t tool) noexcept;
+  /// Ends a hand after its last pose, which counts as a step: its tool fades with the poses of the
+  /// others or, if no other hand is left, is gone.
+  void Leave(std::size_t tool, std::uint32_t hand) noexcept;
   /// Weakens the spring of a tool whose pose cannot be used; at no strength, several hands let go.
   void Fade(std::size_t tool) noexcept;
   /// Steps all tools that are there, this one to a new pose of its hand, and strengthens its
@@ -86,7 +89,7 @@ class World {
   StepState& state(std::size_t tool) { return tools_[tool]->state; }
   /// The part of a tool's spring that acts, 0 to 1.
   double& gain(std::size_t tool) { return steps_[tool].share; }
-  std::uint64_t steps() const { return step_count_; }  ///< number of poses heard
+  std::uint64_t steps() const { return step_count_; }  ///< number of poses heard, and of leaves
   /// For a replay: takes up the count where no tool is there.
   void BeginAt(std::uint64_t steps) { step_count_ = steps; }
   std::uint32_t there() const noexcept;  ///< bit i: tool i is there
@@ -101,6 +104,7 @@ class World {
     std::uint32_t hand = 0;  ///< that holds it; 0: it is not there
     /// By tool: number of poses of others that have come to it since this one's last.
     std::array<std::uint32_t, kMostTools> silent{};
+    bool is_left = false;         ///< its hand has left
     double pause = kFirstPauses;  ///< usual greatest of these, when its own pose comes
   };
   /// The frame of a tool in the model of one that is listed before it.

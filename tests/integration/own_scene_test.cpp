@@ -217,6 +217,7 @@ TEST_F(OwnScene, LetsTwoHandsFeelEachOtherAndSurviveEachOther) {
   std::this_thread::sleep_for(std::chrono::seconds(4));
   right->Signal(SIGKILL);
   EXPECT_EQ(left->Exit(30.0), 0) << left->Output();
+  EXPECT_EQ(hand("right", "2")->Exit(30.0), 0);  // alone, where both had been
   recorder.Signal(SIGINT);
   EXPECT_EQ(recorder.Exit(), 0) << recorder.Output();
 
@@ -239,6 +240,7 @@ TEST_F(OwnScene, LetsTwoHandsFeelEachOtherAndSurviveEachOther) {
   Program replay(PALPATE_BIN_DIR "/palpate-replay", {file.string(), "--verify"});
   EXPECT_EQ(replay.Exit(60.0), 0) << replay.Output();
   EXPECT_THAT(replay.Output(), HasSubstr("verified, bit for bit"));
+  EXPECT_THAT(replay.Output(), Not(HasSubstr("more at its end")));
   fs::remove(file);
 }
 

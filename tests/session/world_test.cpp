@@ -217,6 +217,35 @@ TEST(World, LetsNoToolBeginInsideAnotherWithoutTouchingIt) {
   }
 }
 
+// A session that ends says so: no patience, and nothing is left for the next ones to wait for.
+TEST(World, FadesAHandThatLeavesAtOnceAndIsEmptyWhenAllHaveLeft) {
+  Hands hands(Boxes(2));
+  hands.Press();
+  double before = hands.Send(0, At(0.0, 0.008)).force_N[2];
+  const std::uint64_t steps = hands.world().steps();
+  hands.loop(1).Leave();
+  EXPECT_EQ(hands.world().steps(), steps + 1);
+  EXPECT_EQ(hands.world().there(), 3u);
+  for (int i = 0; i < 20; ++i) {
+    const double force = hands.Send(0, At(0.0, 0.008)).force_N[2];
+    ASSERT_LE(std::abs(force - before), 0.12) << i;
+    before = force;
+  }
+  EXPECT_EQ(hands.world().there(), 1u);
+  hands.loop(0).Leave();
+  EXPECT_EQ(hands.world().there(), 0u);
+  for (const std::size_t first : {0u, 1u}) {
+    Hands pair(Boxes(2));
+    pair.Press();
+    pair.loop(first).Leave();
+    pair.loop(1 - first).Leave();
+    EXPECT_EQ(pair.world().there(), 0u);
+  }
+  hands.Renew(0);
+  hands.loop(0).Leave();  // had no pose
+  EXPECT_EQ(hands.world().steps(), steps + 22);
+}
+
 // A mouse is answered less often than an arm: it is slow, not dead.
 TEST(World, WaitsForASlowHandAsLongAsItUsuallyTakes) {
   for (const int pause : {5, 20, 60}) {

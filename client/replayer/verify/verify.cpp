@@ -233,7 +233,7 @@ class Scenes {
 struct SessionFacts {
   std::string station, scene, tool;
   std::uint64_t run = 0, server_run = 0;
-  bool has_ended = false;                         ///< within the recording
+  std::uint64_t ended = 0;                        ///< number of the sample that says so; 0: none
   std::map<std::uint64_t, Pose> starts;           ///< X_WG by the pose at which forces start
   std::optional<Pose> last_start;                 ///< the recorder ended before its pose was told
   std::map<std::uint64_t, std::uint64_t> wholes;  ///< LoopWhole.pose_sequence by its number
@@ -274,8 +274,15 @@ class SessionReplay : public CutSession {
   std::span<const CutSolid> solids() const override { return model_.solids(); }
   bool is_done() const override { return !verdict_.ends.empty() || (closed_ && is_computed_); }
   std::uint64_t last_pose() const override { return last_pose_; }
-  /// Returns whether it waits for steps of other hands.  If they never come, call EndWaiting.
-  bool waits_for_others() const { return waits_for_others_; }
+  /// Returns the number of answers that wait for steps of other hands.  If these never come, call
+  /// EndWaiting.
+  std::size_t waits_for_others() const { return waits_for_others_ ? waiting_.size() : 0; }
+  /// Where hands meet: makes the step with which its hand left.
+  void Leave() {
+    loop_.Leave();
+    has_left_ = true;
+  }
+  bool must_leave() const { return world_->is_shared() && facts_.ended != 0 && !has_left_; }
   /// @param cut_off  the recording may have ended before those steps
   void EndWaiting(bool cut_off) {
     if (cut_off && waiting_.size() <= kMostUnder) {
@@ -469,7 +476,7 @@ class SessionReplay : public CutSession {
   const std::shared_ptr<World> world_;
   ServoLoop loop_;
   CutSide side_;
-  bool closed_ = false, is_computed_ = false, waits_for_others_ = false;
+  bool closed_ = false, is_computed_ = false, waits_for_others_ = false, has_left_ = false;
   bool has_force_ = false;  // in the last recorded answer
   SessionVerdict verdict_;
   std::map<std::uint64_t, wire::HapticPose> poses_;  // not yet used
@@ -523,7 +530,7 @@ std::vector<std::unique_ptr<SessionFacts>> Gather(
       facts.scene = state.scene;
       facts.tool = state.tool;
       facts.server_run = state.server_run;
-      facts.has_ended |= state.phase == palpate_SESSION_ENDED;
+      if (state.phase == palpate_SESSION_ENDED && facts.ended == 0) facts.ended = number;
       const Pose start = wire::ToPose(state.start_position_m, state.start_orientation_wxyz);
       if (state.start_sequence != 0) {
         facts.starts[state.start_sequence] = start;
@@ -627,7 +634,7 @@ class Verifier {
       Hear(sample, session);
       if (number == session.last_sample && session.replay) {
         session.is_closed = true;
-        session.replay->Close(cut_off || !session.facts->has_ended);
+        session.replay->Close(cut_off || session.facts->ended == 0);
       }
       Settle(session.scene);
     }
@@ -735,10 +742,11 @@ class Verifier {
   }
 
   /// Exchanges cuts between a scene's sessions until none can continue, and ends finished sessions.
-  void Settle(const SceneRun& scene) {
+  /// @param all  nothing more comes
+  void Settle(const SceneRun& scene, bool all = false) {
     const auto exchange = cuts_.find(scene);
     const std::vector<Replayed*>& of = by_scene_[scene];
-    AdvanceTogether(of);
+    AdvanceTogether(of, all);
     while (exchange != cuts_.end() && exchange->second.Advance()) {
       for (const Replayed* session : of) {
         if (session->replay) session->replay->Advance();
@@ -749,20 +757,34 @@ class Verifier {
       if (!session->verdict) TakeVerdict(*session);
       const std::uint32_t number = session->facts->cuts.session;
       if (number != 0 && !exchange->second.IsOver(number)) continue;
+      if (session->replay->must_leave()) continue;
       session->replay.reset();
       --open_;
     }
   }
 
   /// Lets the hands of a world make their steps in turn, as far as they can.
-  static void AdvanceTogether(const std::vector<Replayed*>& of) {
+  /// @param all  nothing more comes
+  static void AdvanceTogether(const std::vector<Replayed*>& of, bool all) {
     for (bool any = true; any;) {
       any = false;
-      for (const Replayed* session : of) {
-        if (!session->replay || !session->replay->waits_for_others()) continue;
+      std::size_t most = 0;
+      Replayed* next = nullptr;  // of those that have left, whose session ended first
+      for (Replayed* const session : of) {
+        if (!session->replay) continue;
         const std::uint64_t before = session->replay->last_pose();
-        session->replay->Advance();
+        if (session->replay->waits_for_others() > 0) session->replay->Advance();
         any |= session->replay->last_pose() != before;
+        most = std::max(most, session->replay->waits_for_others());
+        if (session->is_closed && session->replay->is_done() && session->replay->must_leave() &&
+            (!next || session->facts->ended < next->facts->ended)) {
+          next = session;
+        }
+      }
+      // A leave is in no sample.  It is the missing step if no sample with that step comes in time.
+      if (!any && next != nullptr && (most > kMostUnder || (all && most > 0))) {
+        next->replay->Leave();
+        any = true;
       }
     }
   }
@@ -794,13 +816,13 @@ class Verifier {
 
   void Finish() {
     for (const auto& [scene, of] : by_scene_) {
-      Settle(scene);
+      Settle(scene, true);
       if (const auto exchange = cuts_.find(scene); exchange != cuts_.end()) {
         exchange->second.GiveUp();
       }
       // A session whose end is not recorded may have made the missing steps after the last ones.
       const bool cut_off =
-          std::ranges::any_of(of, [](const Replayed* s) { return !s->facts->has_ended; });
+          std::ranges::any_of(of, [](const Replayed* s) { return s->facts->ended == 0; });
       for (Replayed* const session : of) {
         if (!session->replay || session->verdict) continue;
         session->replay->Advance();
