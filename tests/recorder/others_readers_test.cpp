@@ -21,8 +21,10 @@ nlohmann::json ValuesOf(const wire::HapticPose& pose) {
 }
 nlohmann::json ValuesOf(const wire::Wrench& wrench) {
   nlohmann::json out{std::to_string(wrench.pose_sequence), std::to_string(wrench.pose_time_ns)};
-  PutDoubles(out, wrench.force_N, 13 + 36 + 12 + 4);
-  for (const std::uint32_t value : {wrench.rows, wrench.contacts, wrench.faults, wrench.answer}) {
+  PutDoubles(out, wrench.force_N, 13 + 36 + 12 + 12 + 4);
+  out.push_back(std::to_string(wrench.step));
+  for (const std::uint32_t value :
+       {wrench.hands, wrench.rows, wrench.contacts, wrench.faults, wrench.answer, wrench.pad}) {
     out.push_back(value);
   }
   return out;
