@@ -27,8 +27,8 @@ constexpr char kGood[] = R"({
 })";
 
 /// The good scene with one text replaced by another.
-std::string With(const std::string& old_text, const std::string& new_text,
-                 std::string text = kGood) {
+std::string Changed(const std::string& old_text, const std::string& new_text,
+                    std::string text = kGood) {
   const std::size_t at = text.find(old_text);
   if (at == std::string::npos) throw Error("the test's text is not there: " + old_text);
   return text.replace(at, old_text.size(), new_text);
@@ -135,12 +135,12 @@ TEST(SceneFile, ReadsEveryKindOfMeshAndCoupling) {
 }
 
 std::string WithObject(const std::string& fields) {
-  return With("\"leaves\": 100", "\"leaves\": 100, " + fields);
+  return Changed("\"leaves\": 100", "\"leaves\": 100, " + fields);
 }
 
 TEST(SceneFile, ReadsHowTrulyAMeshStandsForACurvedSurface) {
   const auto curved = [](const std::string& field) {
-    return ParseScene(With("\"unit\": \"mm\"", "\"unit\": \"mm\"" + field), "f.json")
+    return ParseScene(Changed("\"unit\": \"mm\"", "\"unit\": \"mm\"" + field), "f.json")
         .objects[0]
         .mesh.curved;
   };
@@ -286,7 +286,7 @@ TEST(SceneFile, RefusesWithLineFieldAndRemedy) {
   test::ExpectRefusals("tests/scenes/files/scene_file.refusals", [](const auto& inputs) {
     std::string text = kGood;
     for (std::size_t i = 0; i < inputs.size(); i += 2)
-      text = With(inputs[i], inputs.at(i + 1), text);
+      text = Changed(inputs[i], inputs.at(i + 1), text);
     return ComplaintOf([&] { ParseScene(text, "f.json"); });
   });
 }
