@@ -212,7 +212,7 @@ TEST_F(OwnScene, LetsTwoHandsFeelEachOtherAndSurviveEachOther) {
                    tool);
   };
   const auto left = hand("left", "7"), right = hand("right", "60");
-  ASSERT_TRUE(server->Says("station left: active") && server->Says("station right: active"))
+  ASSERT_TRUE(left->Says("session: tool 'left'") && right->Says("session: tool 'right'"))
       << server->Output();
   std::this_thread::sleep_for(std::chrono::seconds(4));
   right->Signal(SIGKILL);
