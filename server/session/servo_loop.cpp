@@ -285,7 +285,8 @@ void ServoLoop::TellCuts(std::uint64_t pose_sequence) noexcept {
 
 void ServoLoop::Hold(std::uint32_t fault, wire::Wrench& answer) noexcept {
   if (started_) world_->Fade(tool_);
-  SetScaled(full_, effects_, gain(), answer);
+  // Where hands meet, another may hold the tool by now: its gain is not this hand's.
+  SetScaled(full_, effects_, started_ ? gain() : 0.0, answer);
   answer.faults = started_ ? fault : fault | kFaultNotStarted;
 }
 

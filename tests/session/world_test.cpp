@@ -88,6 +88,7 @@ class Hands {
   ServoLoop& loop(std::size_t i) { return *loops_[i]; }
   Hand& clock(std::size_t i) { return clocks_[i]; }
   World& world() { return *world_; }
+  const std::shared_ptr<World>& world_of_all() const { return world_; }
   const Scene& scene() const { return scene_; }
   const HapticModel& model(std::size_t i) const { return *models_[i]; }
 
@@ -203,6 +204,23 @@ TEST(World, LetsNoToolBeginInAnother) {
   EXPECT_EQ(answer.faults, 0u);
   EXPECT_EQ(answer.hands, 3u);
   EXPECT_NE(hands.loop(1).start_sequence(), 0u);
+}
+
+// A hand that has lost its tool to another never gets that one's force.
+TEST(World, SendsNothingToAHandWhoseToolAnotherHolds) {
+  Hands hands(Boxes(2));
+  hands.Press();
+  for (int i = 0; i < 100; ++i) hands.Send(0, At(0.0, 0.008));
+  EXPECT_NE(hands.Send(1, At(0.0, 0.0)).faults & kFaultNotStarted, 0u);
+  ServoLoop next(hands.world_of_all(), 1);
+  Hand clock;
+  next.Start(At(0.05, 0.0));
+  wire::Wrench answer{};
+  for (int i = 0; i < 220; ++i) next.OnPose(clock.At(Vec3(0.05, 0.0, 0.0)), answer);
+  EXPECT_EQ(answer.hands, 2u) << "the upper hand has been silent";
+  wire::HapticPose bad = hands.clock(1).At(Vec3::Zero());
+  bad.position_m[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(hands.SendAsItIs(1, bad).force_N[2], 0.0);
 }
 
 // A small tool inside a hollow one would meet none of its triangles.
