@@ -153,6 +153,7 @@ struct Scene {
   /// Whether tools touch each other, and all hands act in one world; else each is alone with the
   /// objects.
   bool hands_meet = false;
+  Vec3 gravity = Vec3::Zero();  ///< of free bodies [m/s^2]
   Coupling coupling;
   StepTuning tuning;
   Features features;
