@@ -21,9 +21,9 @@ struct MotionKey {
 /// or as one rigid body that is pushed.
 struct MovedGroup {
   std::string name;
-  std::optional<FreeBody> free{};  ///< if it has this, it has no keys
+  std::optional<FreeBody> free{};                   ///< if it has this, it has no keys
   Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  ///< of the turns, in W: [m], unit
-  std::vector<MotionKey> keys;                      ///< by time, the first MotionKey{}
+  std::vector<MotionKey> keys{};                    ///< by time, the first MotionKey{}
   bool smooth = true;    ///< whether it rests for a moment at each key, or goes at equal speed
   bool repeats = false;  ///< whether the last key, which is where the first is, begins it anew
 

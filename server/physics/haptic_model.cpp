@@ -57,11 +57,13 @@ SceneObjects::SceneObjects(std::span<const PlacedTree> objects, ContactModel con
 
 HapticModel::HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
                          const StepParameters& parameters, const TriangleMesh* tool_mesh,
-                         std::optional<Cutting> cutting, Effects effects)
+                         std::optional<Cutting> cutting, Effects effects,
+                         std::optional<Inertia> inertia)
     : parameters_(parameters),
       objects_(std::move(objects)),
       cutting_(std::move(cutting)),
-      effects_(std::move(effects)) {
+      effects_(std::move(effects)),
+      inertia_(std::move(inertia)) {
   if (const std::string fault = TuningFault(parameters_); !fault.empty()) {
     throw Error("step: " + fault);
   }

@@ -9,6 +9,7 @@
 #include "scenes/effects/effects.h"
 #include "scenes/sphere_tree.h"
 #include "server/physics/cut/cutting.h"
+#include "server/physics/energy/inertia.h"
 #include "server/physics/simd/kernels.h"
 #include "server/physics/step_types.h"
 #include "server/physics/surface/block_bodies.h"
@@ -55,11 +56,14 @@ class HapticModel {
  public:
   /// `tool_mesh` is needed for ContactModel::kSurface only, `cutting` only if the tool is a bur or
   /// an edge.  The step adds the forces of `effects`.
-  /// Throws Error if a parameter is out of range, if the tool's tree is empty or not finite, or if
-  /// its mesh is needed and missing.
+  /// `inertia`: of a free body, which is a tool without a hand; its tree's centroid is its centre
+  /// of mass, and its spring's stiffnesses are m / h^2 and rho^2 m / h^2 (RotationLengthOf). Throws
+  /// Error if a parameter is out of range, if the tool's tree is empty or not finite, or if its
+  /// mesh is needed and missing.
   HapticModel(const SphereTree& tool, std::shared_ptr<const SceneObjects> objects,
               const StepParameters& parameters, const TriangleMesh* tool_mesh = nullptr,
-              std::optional<Cutting> cutting = std::nullopt, Effects effects = {});
+              std::optional<Cutting> cutting = std::nullopt, Effects effects = {},
+              std::optional<Inertia> inertia = std::nullopt);
 
   /// With derived values filled in.
   const StepParameters& parameters() const { return parameters_; }
@@ -77,6 +81,8 @@ class HapticModel {
   /// Null if the tool cannot cut.
   const Cutting* cutting() const { return cutting_ ? &*cutting_ : nullptr; }
   const Effects& effects() const { return effects_; }
+  /// Null if a hand holds the tool.
+  const Inertia* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
   /// The solids that burs can cut, and whether this tool may cut any of them.
   std::span<const CutSolid> solids() const { return objects_->solids; }
   bool cuts() const { return cutting_ && !solids().empty(); }
@@ -104,6 +110,7 @@ class HapticModel {
   std::optional<Cutting> cutting_;
   std::vector<BurSample> bur_samples_;
   Effects effects_;
+  std::optional<Inertia> inertia_;
 };
 
 }  // namespace palpate

@@ -487,45 +487,168 @@ void Step(Party tools) {
   return report;
 }
 
-/// StepTogether, under default rounding.
-[[gnu::noinline]] void StepAll(std::span<ToolStep> steps, Together& together) noexcept {
-  std::array<std::optional<StepContext>, kMostTools> contexts;
-  std::array<StepContext*, kMostTools> party;
-  std::array<ToolStep*, kMostTools> step_of;
-  std::array<bool, kMostTools> is_usable;
-  std::size_t tools = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const bool is_there = steps[i].share > 0.0;
-    together.place[i] = is_there ? static_cast<std::int32_t>(tools) : -1;
-    if (is_there) step_of[tools++] = &steps[i];
+/// What a member of a step of several is in it.
+struct Member {
+  ToolStep* step;
+  bool is_there = false, is_awake = false;
+  Vec3 centre = Vec3::Zero();  ///< of a ball in which it stays in this step [m]
+  double radius = 0.0;
+  std::size_t island = 0;  ///< the least number of those that it can meet, through others
+};
+using Members = std::span<Member>;
+
+bool IsBody(const Member& member) {
+  return member.step->model->inertia() != nullptr;
+}
+
+/// Sets where a body would go alone, and the ball of each member.
+void Aim(Member& member) {
+  ToolStep& step = *member.step;
+  const HapticModel& model = *step.model;
+  const StepParameters& limits = model.parameters();
+  StepState& state = *step.state;
+  if (IsBody(member) && member.is_awake) {
+    step.X_WH = FreeMotion(*model.inertia(), state.X_WG, state.body, step.period);
+  }
+  member.centre = state.X_WG * model.reference();
+  member.radius = model.tool_body()->mesh.reach() + model.tool_body()->radius + limits.separation;
+  if (member.is_awake) member.radius += limits.sub_steps * limits.widest_step;
+}
+
+/// Joins what can meet in this step into islands, and wakes the bodies there.  Hands are always in
+/// one.
+void MakeIslands(Members members) {
+  for (std::size_t i = 0; i < members.size(); ++i) members[i].island = i;
+  const auto join = [&](std::size_t a, std::size_t b) {
+    const std::size_t low = std::min(a, b), high = std::max(a, b);
+    for (Member& member : members) {
+      if (member.island == high) member.island = low;
+    }
+  };
+  const auto meet = [&](const Member& a, const Member& b) {
+    if (!a.is_there || !b.is_there || (!a.is_awake && !b.is_awake)) return false;
+    if (!IsBody(a) && !IsBody(b)) return true;
+    return (a.centre - b.centre).norm() <= a.radius + b.radius;
+  };
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (std::size_t j = i + 1; j < members.size(); ++j) {
+      if (members[i].island != members[j].island && meet(members[i], members[j])) {
+        join(members[i].island, members[j].island);
+      }
+    }
+  }
+}
+
+/// Puts the frames that are members where these are.
+void PlaceMembers(Members members) {
+  for (Member& member : members) {
+    for (const ContactBody& body : member.step->model->bodies()) {
+      if (body.tool < 0 || !members[static_cast<std::size_t>(body.tool)].is_there) continue;
+      BodyFrame& frame = member.step->state->frames[static_cast<std::size_t>(body.frame)];
+      frame.X_WB = frame.X_WB_next = members[static_cast<std::size_t>(body.tool)].step->state->X_WG;
+    }
+  }
+}
+
+/// After a body's step: its velocity, and for how long it has been still.
+void EndBody(Member& member, const Pose& from, bool is_held) {
+  StepState& state = *member.step->state;
+  BodyState& body = state.body;
+  const HapticModel& model = *member.step->model;
+  TakeVelocity(*model.inertia(), from, state.X_WG, member.step->period, body);
+  const double reach = model.tool_body()->mesh.reach();
+  const double turned = RotationLog(state.X_WG.q * from.q.conjugate()).norm();
+  const double way = body.v.norm() * member.step->period + reach * turned;
+  is_held |= model.inertia()->body.joint.kind != BodyJoint::Kind::kFree;
+  body.still = is_held && way <= limits::body::kStill * member.step->period ? body.still + 1 : 0;
+}
+
+/// Puts the bodies of an island without a hand to sleep, once all have been still for long.
+void Sleep(std::span<Member* const> island) {
+  const auto may_sleep = [](const Member* member) {
+    return IsBody(*member) && member->step->state->body.still >= limits::body::kStillSteps;
+  };
+  if (!std::ranges::all_of(island, may_sleep)) return;
+  for (Member* member : island) {
+    BodyState& body = member->step->state->body;
+    body = {.joint = body.joint, .sleeps = true};
+  }
+}
+
+/// Steps those of one island as one problem.
+void StepIsland(Members members, std::size_t island, Together& together) {
+  std::array<std::optional<StepContext>, kMostMembers> contexts;
+  std::array<StepContext*, kMostMembers> party;
+  std::array<Member*, kMostMembers> member_of;
+  std::array<bool, kMostMembers> is_usable;
+  std::array<Pose, kMostMembers> from;
+  std::size_t count = 0;
+  together.place.fill(-1);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (members[i].island != island || !members[i].is_there) continue;
+    together.place[i] = static_cast<std::int32_t>(count);
+    member_of[count++] = &members[i];
+  }
+  if (count == 0 || std::none_of(member_of.begin(), member_of.begin() + count,
+                                 [](const Member* member) { return member->is_awake; })) {
+    return;
   }
   const auto stiffness = [](const ToolStep& step) {
+    const Inertia* inertia = step.model->inertia();
+    if (inertia != nullptr) return inertia->body.mass / (step.period * step.period);
     return step.share * step.model->parameters().stiffness;
   };
-  for (std::size_t i = 0; i < tools; ++i) {
-    ToolStep& step = *step_of[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    ToolStep& step = *member_of[i]->step;
+    const bool is_body = IsBody(*member_of[i]);
+    if (is_body && !member_of[i]->is_awake) {
+      step.state->body.sleeps = false;
+      step.state->body.still = 0;
+      step.X_WH =
+          FreeMotion(*step.model->inertia(), step.state->X_WG, step.state->body, step.period);
+    }
+    from[i] = step.state->X_WG;
     std::construct_at(&step.report);
     step.report.parameters = &step.model->parameters();
     contexts[i].emplace(*step.model, *step.state, step.workspace->buffers(), step.report);
     party[i] = &*contexts[i];
-    party[i]->together = tools > 1 ? &together : nullptr;
-    party[i]->weight = stiffness(step) / stiffness(*step_of[0]);
+    party[i]->together = count > 1 || is_body ? &together : nullptr;
+    party[i]->weight = stiffness(step) / stiffness(*member_of[0]->step);
+    party[i]->period = step.period;
     is_usable[i] = Begin(step.X_WH, *party[i]);
     if (!is_usable[i]) Begin(step.state->X_WH, *party[i]);
   }
-  if (tools == 0) return;
-  Step(Party(party.data(), tools));
-  for (std::size_t i = 0; i < tools; ++i) {
-    StepReport& report = step_of[i]->report;
+  Step(Party(party.data(), count));
+  for (std::size_t i = 0; i < count; ++i) {
+    StepReport& report = member_of[i]->step->report;
     if (!is_usable[i]) {
       ForgetForces(report);
       report.faults |= kFaultBadPose;
     }
     for (int k = 0; k < report.contacts; ++k) {
       std::int32_t& tool = report.active[static_cast<std::size_t>(k)].tool;
-      if (tool >= 0) tool = static_cast<std::int32_t>(step_of[std::size_t(tool)] - steps.data());
+      if (tool >= 0) {
+        tool = static_cast<std::int32_t>(member_of[std::size_t(tool)] - members.data());
+      }
     }
+    if (IsBody(*member_of[i])) EndBody(*member_of[i], from[i], party[i]->outcome.held);
   }
+  Sleep(std::span(member_of.data(), count));
+}
+
+/// StepTogether, under default rounding.
+[[gnu::noinline]] void StepAll(std::span<ToolStep> steps, Together& together) noexcept {
+  std::array<Member, kMostMembers> all;
+  const Members members(all.data(), steps.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    members[i] = {.step = &steps[i], .is_there = steps[i].share > 0.0};
+    members[i].is_awake = members[i].is_there && !steps[i].state->body.sleeps;
+    Aim(members[i]);
+  }
+  MakeIslands(members);
+  PlaceMembers(members);
+  for (std::size_t i = 0; i < steps.size(); ++i) StepIsland(members, i, together);
+  PlaceMembers(members);
 }
 
 }  // namespace
@@ -540,13 +663,14 @@ TogetherWorkspace::TogetherWorkspace(std::span<const HapticModel* const> models)
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(std::string("tools that are stepped together: ") + what);
   };
-  require(models.size() >= 2 && models.size() <= kMostTools, "there must be two to four");
+  require(models.size() >= 2 && models.size() <= kMostMembers, "there must be two to eight");
   int rows = 0;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const HapticModel& model = *models[i];
     require(model.tool_body() != nullptr, "all must touch by their meshes; use \"surface\"");
     require(!model.yields() && !model.cuts(), "nothing may be soft, or cut");
-    require(model.moved().empty() && model.effects().empty(),
+    const auto is_script = [](const MovedGroup& group) { return !group.free; };
+    require(std::ranges::none_of(model.moved(), is_script) && model.effects().empty(),
             "no group may move by itself, and there may be no effects: these count steps");
     const FrictionModel friction = model.parameters().features.friction;
     require(friction == models[0]->parameters().features.friction &&
@@ -561,7 +685,7 @@ TogetherWorkspace::TogetherWorkspace(std::span<const HapticModel* const> models)
     }
     rows += model.parameters().max_rows;
   }
-  buffers_ = std::make_unique<Together>(rows);
+  buffers_ = std::make_unique<Together>(rows, models.size());
 }
 TogetherWorkspace::~TogetherWorkspace() = default;
 

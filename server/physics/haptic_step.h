@@ -43,16 +43,17 @@ class StepWorkspace {
 StepReport HapticStep(const HapticModel& model, const Pose& X_WH, StepState& state,
                       StepWorkspace& workspace, StageTimes* times = nullptr) noexcept;
 
-/// One tool of several that are stepped together.
+/// One member of a step of several: a hand's tool, or a free body, whose model has an Inertia.
 struct ToolStep {
   const HapticModel* model = nullptr;
-  Pose X_WH{};  ///< as of HapticStep
+  Pose X_WH{};  ///< as of HapticStep; a body's is set by the step
   StepState* state = nullptr;
   StepWorkspace* workspace = nullptr;
   /// Of its spring, what acts: above 0, to 1; the report's forces are of the whole spring.  0: the
   /// tool is not there, and its state and report stay as they are.
   double share = 1.0;
-  StepReport report{};  ///< out
+  double period = 1e-3;  ///< of a body, since the last step [s]
+  StepReport report{};   ///< out
 };
 
 /// The buffers that a step of several tools needs beside their own.  Set-up.
@@ -67,13 +68,16 @@ class TogetherWorkspace {
   std::unique_ptr<Together> buffers_;
 };
 
-/// HapticStep for two to kMostTools tools that can touch each other: one problem, whose solution is
-/// the poses nearest to all hands', each by its spring's energy, in which no tool enters another or
-/// an object.  So what two tools feel of each other is equal and opposite.
+/// HapticStep for tools that can touch each other, and bodies that are free, two to kMostMembers in
+/// all: one problem, whose solution is the poses nearest to all hands', each by its spring's
+/// energy, and to the bodies' free motion, each by its inertia, in which nothing enters anything.
+/// So what two members feel of each other is equal and opposite (solve/together.md,
+/// solve/free_bodies.md).
 ///
-/// For each pair of tools, one model, and only one, has the other tool as an object (PlacedTree:
-/// `tool` is its index here, and `frame` is a frame of its own).  All must be rigid meshes (balls
-/// may be the first of a pair only), without chapter friction, soft leaves, burs, and effects.
+/// Hands come first.  For each pair of members, one model, and only one, has the other member as an
+/// object (PlacedTree: `tool` is its index here, and `frame` is a frame of its own).  All must be
+/// rigid meshes (balls may be the first of a pair only), without chapter friction, soft leaves,
+/// burs, and effects.
 /// Call Leave of a tool's frames when it is no longer there, and before it comes back.
 /// A tool whose pose is not usable stays at its last hand's, and feels nothing (kFaultBadPose).
 /// Real-time and deterministic, as HapticStep.

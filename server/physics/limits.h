@@ -283,6 +283,15 @@ constexpr std::size_t RoomForNear(int queries) {
 }
 }  // namespace mesh
 
+namespace body {
+/// A body sleeps once it has been held and moved by no more than this [m/s] for so many steps: less
+/// than gravity adds in a hundredth of one, and as long as it takes a hand to come back.
+inline constexpr double kStill = 1e-4;
+inline constexpr int kStillSteps = 200;
+/// Rows of a body's contacts at most, of one QP that may have eight.
+inline constexpr int kMaxRows = 2048;
+}  // namespace body
+
 /// How deep a tool must enter a leaf of an object that is touched by its mesh to count as starting
 /// inside [m]: more than leaves may stand out of the mesh.
 inline constexpr double kCoreDepth = 1e-4;

@@ -9,6 +9,7 @@
 #include "scenes/effects/effects.h"
 #include "scenes/grid/cut_field.h"
 #include "server/physics/energy/energy.h"
+#include "server/physics/energy/inertia.h"
 #include "server/physics/haptic_model.h"
 #include "server/physics/limits.h"
 #include "server/physics/simd/kernels.h"
@@ -119,11 +120,13 @@ struct StepState {
   CuttingState cut;
   EffectState effects;  ///< without effect in a default-constructed state
 
+  BodyState body;  ///< if it is a free body's
+
   /// Makes the frames of these bodies; other tools are not there.
   void MakeFrames(std::span<const ContactBody> bodies) {
     frames.resize(CountFrames(bodies));
-    for (const ContactBody& body : bodies) {
-      if (body.tool >= 0) frames[static_cast<std::size_t>(body.frame)].Leave();
+    for (const ContactBody& of : bodies) {
+      if (of.tool >= 0 && !of.is_body) frames[static_cast<std::size_t>(of.frame)].Leave();
     }
   }
   /// Puts the groups of the model where they begin.

@@ -15,8 +15,9 @@
 
 namespace palpate {
 
-/// Most tools that are stepped together (StepTogether).
+/// Most tools that are stepped together (StepTogether), and most with free bodies.
 inline constexpr std::size_t kMostTools = kMostHands;
+inline constexpr std::size_t kMostMembers = 8;
 
 /// A body placed in the world.  The call that takes it does not keep its pointers.
 struct PlacedTree {
@@ -29,9 +30,10 @@ struct PlacedTree {
   bool for_balls = false;  ///< a spherical tool will touch it: keeps its smooth normals
   /// Number of its frame (ContactBody): 0 for what burs cut.  For an object touched by its mesh.
   std::int32_t frame = 0;
-  /// Number of the tool that it is, in its own frame, with X_WB = I: of a step of several
-  /// (StepTogether).  Negative: it is none.
+  /// Number of the member that it is, in its own frame: of a step of several (StepTogether).  A
+  /// tool has X_WB = I, a body the pose at which it is placed.  Negative: it is none.
   std::int32_t tool = -1;
+  bool is_body = false;  ///< whether that member is a free body, and no hand's tool
 };
 
 /// Constants of the step that a scene or a benchmark may set; StepTuning holds those

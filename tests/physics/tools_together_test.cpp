@@ -343,8 +343,8 @@ TEST(ToolsTogether, AreRefusedInWordsIfTheyCannotBe) {
   EXPECT_EQ(said({box, box}), "");
   EXPECT_EQ(said({test::BallBody(0.004), box}), "");
   EXPECT_THAT(said({box, test::BallBody(0.004)}), testing::HasSubstr("and not the second"));
-  EXPECT_THAT(said({box}), testing::HasSubstr("two to four"));
-  EXPECT_THAT(said({box, box, box, box, box}), testing::HasSubstr("two to four"));
+  EXPECT_THAT(said({box}), testing::HasSubstr("two to eight"));
+  EXPECT_THAT(said(std::vector<Body>(9, box)), testing::HasSubstr("two to eight"));
 }
 
 TEST(ToolsTogether, GoOnWithoutAToolWhosePoseIsNotUsable) {

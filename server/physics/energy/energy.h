@@ -14,6 +14,7 @@ class ContactRows;
 class CutField;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 /// Where a sub-step begins.
 struct EnergyStart {

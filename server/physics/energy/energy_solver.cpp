@@ -14,8 +14,6 @@ using namespace limits::energy;
 /// Stiffness at which a row's force is its threshold as soon as it overlaps.
 constexpr double kNoSpring = 1e300;
 
-using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-
 int Padded(int rows) {
   return (rows + 15) & ~15;
 }

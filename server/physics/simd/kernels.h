@@ -223,6 +223,8 @@ struct Kernels {
                               int guesses);
   QpResultOf<24> (*solve_four)(const double* t, const QpRowsOf<24>& rows, const int* guess,
                                int guesses);
+  QpResultOf<48> (*solve_eight)(const double* t, const QpRowsOf<48>& rows, const int* guess,
+                                int guesses);
   /// SolveLimited (common/qp).
   QpResult (*solve_limited)(const double* t, const LimitedRows& rows, const int* guess,
                             int guesses);

@@ -507,10 +507,10 @@ int AddYielding(const YieldingRows& yielding, const double* x, double spring_sti
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,          ExpandPairs,        BuildRows,        FindBelow,          FindGaps,
-          LowestPoint,   NearestEdges,       AdvanceSimplices, RefreshPlanes,      FindUsedUp,
-          Solve<6>,      Solve<12>,          Solve<24>,        SolveWithLimits<6>, RowsHold,
-          TransformRows, AddYielding<false>, AddYielding<true>};
+  return {name,        ExpandPairs,   BuildRows,          FindBelow,        FindGaps,
+          LowestPoint, NearestEdges,  AdvanceSimplices,   RefreshPlanes,    FindUsedUp,
+          Solve<6>,    Solve<12>,     Solve<24>,          Solve<48>,        SolveWithLimits<6>,
+          RowsHold,    TransformRows, AddYielding<false>, AddYielding<true>};
 }
 
 }  // namespace

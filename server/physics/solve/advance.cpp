@@ -250,7 +250,7 @@ Next Settle(Party tools, bool goes_on) {
   for (StepContext* tool : tools) tool->advance.arrived = arrived;
   if (arrived && Sum(tools, release) != 0) {
     const double gain = GainOf(tools);
-    std::array<Advance, kMostTools> held;
+    std::array<Advance, kMostMembers> held;
     for (std::size_t i = 0; i < tools.size(); ++i) held[i] = tools[i]->advance;
     AdvanceToNewOptima(tools);
     if (AreUnsolved(tools)) return Next::kStay;

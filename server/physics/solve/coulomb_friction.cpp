@@ -119,7 +119,7 @@ class FrictionalContacts {
       : tools_(tools), t_(t), slack_(Lead(tools).advance.optimum.qp.slack) {
     Vec<N> x = Vec<N>::Zero();
     for (std::size_t i = 0; i < tools_.size(); ++i) {
-      Block(x, i) = tools_[i]->Scale() * Vec6::Map(tools_[i]->advance.optimum.qp.x);
+      Block(x, i) = tools_[i]->ToUnknowns(Vec6::Map(tools_[i]->advance.optimum.qp.x));
     }
     size_ = t_.norm() + (t_ - x).norm();
     Begin();
@@ -189,11 +189,18 @@ class FrictionalContacts {
       if (model.is_ball()) turns.setZero();
       return turns;
     };
+    contact.still = -contact.axes * moved();
+    contact.still[0] = tool.sub_step.rigid.b[row] - slack_;
     const auto block = [&](std::size_t i, const Mat3& axes, const Mat3& turns) {
-      const int at = 6 * static_cast<int>(i);
-      contact.J.template middleCols<3>(at) = axes / tools_[i]->Scale();
-      contact.J.template middleCols<3>(at + 3) =
-          turns.transpose() / (tools_[i]->model.rotation_length() * tools_[i]->Scale());
+      const StepContext& of_block = *tools_[i];
+      auto J = contact.J.template middleCols<6>(6 * static_cast<int>(i));
+      J.template leftCols<3>() = axes;
+      J.template rightCols<3>() = turns.transpose() / of_block.model.rotation_length();
+      if (of_block.metric) {
+        contact.still += J * of_block.metric->c;
+        J = (J * of_block.metric->B).eval();
+      }
+      J /= of_block.Scale();
     };
     block(of.tool, contact.axes, turn_about(contact.lever, rows.lever_cross_normal(row)));
     contact.other = rows.with_others() ? rows.other(row).tool : -1;
@@ -202,8 +209,6 @@ class FrictionalContacts {
       contact.other_lever = contact.lever + tool.tools.p_G - tools_[j]->tools.p_G;
       block(j, -contact.axes, -turn_about(contact.other_lever, -rows.other(row).phi));
     }
-    contact.still = -contact.axes * moved();
-    contact.still[0] = tool.sub_step.rigid.b[row] - slack_;
     contact.f = contact.axes * force;
     contact.f[0] = lambda;
     return true;
@@ -256,7 +261,7 @@ class FrictionalContacts {
   void Follow() {
     Vec<N> x = x_;
     for (std::size_t i = 0; i < tools_.size(); ++i) {
-      Block(x, i) = tools_[i]->Scale() * Vec6::Map(tools_[i]->nearest.qp.x);
+      Block(x, i) = tools_[i]->ToUnknowns(Vec6::Map(tools_[i]->nearest.qp.x));
     }
     if (Largest(x - x_) <= 10.0 * kSolved * size_) x_ = x;
   }
@@ -299,6 +304,7 @@ class FrictionalContacts {
     const StepContext& of = *tools_[tool];
     const Vec3 phi = TurnOf(of);
     if (phi.norm() > of.model.parameters().max_rotation) return sum;
+    if (of.metric && of.model.inertia()->body.joint.kind != BodyJoint::Kind::kFree) return sum;
     const Quat turn = RotationExp(phi);
     for (const Contact& contact : *this) {
       if (!IsOf(contact, tool)) continue;
@@ -328,7 +334,7 @@ class FrictionalContacts {
       FrictionState& state = tool.friction;
       QpResult& qp = tool.advance.optimum.qp;
       if (solved) {
-        Vec6::Map(qp.x) = x_.template segment<6>(6 * static_cast<int>(i)) / tool.Scale();
+        Vec6::Map(qp.x) = tool.FromUnknowns(x_.template segment<6>(6 * static_cast<int>(i)));
       } else {
         std::ranges::copy(tool.nearest.qp.x, qp.x);
       }
@@ -501,11 +507,11 @@ bool Solve(Party tools) {
   for (std::size_t i = 0; i < tools.size(); ++i) {
     const StepContext& tool = *tools[i];
     const Optimum& optimum = tool.advance.optimum;
-    const double rho = tool.model.rotation_length(), scale = tool.Scale();
+    const double rho = tool.model.rotation_length();
     // The push of soft contacts is taken as it is without friction.
     const Vec3 v = tool.sub_step.target.v + optimum.push;
     const Vec3 phi = tool.sub_step.target.phi + optimum.push_torque / (rho * rho);
-    t.template segment<6>(6 * static_cast<int>(i)) << scale * v, scale * rho * phi;
+    t.template segment<6>(6 * static_cast<int>(i)) = tool.ToUnknowns(tool.Stacked(v, phi));
   }
   FrictionalContacts<N> contacts(tools, t);
   bool solved = false, added = true;
@@ -552,9 +558,10 @@ void AddCoulombFriction(Party tools) noexcept {
     }
     tool->advance.optimum.has_friction = true;
   }
-  const bool solved = tools.size() == 1   ? Solve<6>(tools)
-                      : tools.size() == 2 ? Solve<12>(tools)
-                                          : Solve<24>(tools);
+  const bool solved = Lead(tools).together == nullptr ? Solve<6>(tools)
+                      : tools.size() <= 2             ? Solve<12>(tools)
+                      : tools.size() <= 4             ? Solve<24>(tools)
+                                                      : Solve<48>(tools);
   for (StepContext* tool : tools) {
     Optimum& optimum = tool->advance.optimum;
     if (!solved) {

@@ -35,7 +35,7 @@ void AimFrames(const HapticModel& model, StepState& state) noexcept {
   if (groups.empty() || state.moved < 0) return;
   ++state.moved;
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    state.frames[i + 1].X_WB_next = groups[i].At(state.moved);
+    if (!groups[i].free) state.frames[i + 1].X_WB_next = groups[i].At(state.moved);
   }
 }
 

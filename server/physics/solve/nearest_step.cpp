@@ -38,13 +38,19 @@ const ContactRows::Other* OtherOf(const ContactRows& rows, int row) {
 }
 
 /// Writes the rows of all tools side by side: a row a . x_i + a' . x_j >= b has a / sqrt(w_i) in
-/// the columns of i, and a' / sqrt(w_j) in those of j.  The last column is b.
+/// the columns of i, and a' / sqrt(w_j) in those of j; bodies' as their metric says.  The last
+/// column is b.  The limits of joints come last.
 /// @param first  the first row of each tool
 template <int N>
 QpRowsOf<N> PutTogether(Party tools, int* first) {
   AlignedColumns& columns = Lead(tools).together->columns;
   const auto clear = [&](int row) {
     for (std::size_t c = 0; c < N; ++c) columns[c][row] = 0.0;
+  };
+  const auto put = [&](std::size_t i, const Vec6& a, int row) {
+    const Vec6 of_unknowns = tools[i]->RowOfUnknowns(a);
+    for (std::size_t c = 0; c < 6; ++c) columns[6 * i + c][row] = of_unknowns[Eigen::Index(c)];
+    columns[N][row] -= tools[i]->OffsetOf(a);
   };
   int at = 0;
   for (std::size_t i = 0; i < tools.size(); ++i) {
@@ -53,21 +59,26 @@ QpRowsOf<N> PutTogether(Party tools, int* first) {
     first[i] = at;
     for (int r = 0; r < own.count; ++r, ++at) {
       clear(at);
-      for (std::size_t c = 0; c < 6; ++c) {
-        columns[6 * i + c][at] = own.a[c][r] / tools[i]->Scale();
-      }
       columns[N][at] = own.b[r];
+      Vec6 a;
+      for (Eigen::Index c = 0; c < 6; ++c) a[c] = own.a[c][r];
+      put(i, a, at);
       const ContactRows::Other* other = OtherOf(rows, r);
       if (other == nullptr) continue;
       const auto j = static_cast<std::size_t>(other->tool);
-      const double scale = tools[j]->Scale(), rho = tools[j]->model.rotation_length();
-      for (std::size_t c = 0; c < 3; ++c) {
-        columns[6 * j + c][at] = other->v[c] / scale;
-        columns[6 * j + 3 + c][at] = other->phi[c] / (rho * scale);
-      }
+      a << other->v, other->phi / tools[j]->model.rotation_length();
+      put(j, a, at);
     }
   }
-  first[tools.size()] = Lead(tools).together->rows = at;
+  first[tools.size()] = at;
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    for (int k = 0; tools[i]->metric && k < tools[i]->metric->limits; ++k, ++at) {
+      clear(at);
+      columns[N][at] = tools[i]->metric->bound[k];
+      put(i, tools[i]->metric->limit[k], at);
+    }
+  }
+  Lead(tools).together->rows = at;
   QpRowsOf<N> all{{}, columns[N], at};
   for (std::size_t c = 0; c < N; ++c) all.a[c] = columns[c];
   for (; at % 16 != 0; ++at) {
@@ -80,7 +91,7 @@ QpRowsOf<N> PutTogether(Party tools, int* first) {
 template <int N>
 void SolveTogether(Party tools, const double* t, std::span<const ToolRow> guess,
                    QpResultOf<N> (*solve)(const double*, const QpRowsOf<N>&, const int*, int)) {
-  int first[kMostTools + 1], guessed[N + 1], guesses = 0;
+  int first[kMostMembers + 1], guessed[N + 1], guesses = 0;
   const QpRowsOf<N> rows = PutTogether<N>(tools, first);
   for (const ToolRow& row : guess) {
     if (guesses <= N) guessed[guesses++] = first[row.tool] + row.row;
@@ -89,12 +100,13 @@ void SolveTogether(Party tools, const double* t, std::span<const ToolRow> guess,
   for (std::size_t i = 0; i < tools.size(); ++i) {
     std::construct_at(&tools[i]->nearest);
     QpResult& of_tool = tools[i]->nearest.qp;
-    for (std::size_t c = 0; c < 6; ++c) of_tool.x[c] = qp.x[6 * i + c] / tools[i]->Scale();
+    Vec6::Map(of_tool.x) = tools[i]->FromUnknowns(Vec6::Map(qp.x + 6 * i));
     of_tool.slack = qp.slack;
     of_tool.iterations = qp.iterations;
     of_tool.status = qp.status;
   }
   for (int k = 0; k < qp.active; ++k) {
+    if (qp.row[k] >= first[tools.size()]) continue;  // the limit of a joint
     std::size_t i = 0;
     while (qp.row[k] >= first[i + 1]) ++i;
     const int row = qp.row[k] - first[i];
@@ -112,22 +124,24 @@ void SolveTogether(Party tools, const double* t, std::span<const ToolRow> guess,
 
 void SolveRows(Party tools, const double* t, std::span<const ToolRow> guess) noexcept {
   StepContext& lead = Lead(tools);
-  if (tools.size() == 1) {
+  if (lead.together == nullptr) {
     int rows[kMaxActiveRows], guesses = 0;
     for (const ToolRow& row : guess) rows[guesses++] = row.row;
     lead.nearest.qp = lead.kernels.solve(t, lead.sub_step.rigid, rows, guesses);
-  } else if (tools.size() == 2) {
+  } else if (tools.size() <= 2) {
     SolveTogether(tools, t, guess, lead.kernels.solve_two);
-  } else {
+  } else if (tools.size() <= 4) {
     SolveTogether(tools, t, guess, lead.kernels.solve_four);
+  } else {
+    SolveTogether(tools, t, guess, lead.kernels.solve_eight);
   }
 }
 
 bool RowsHold(Party tools, const double* x, double tolerance) noexcept {
   const StepContext& lead = Lead(tools);
-  if (tools.size() == 1) return lead.kernels.rows_hold(lead.sub_step.rigid, x, tolerance);
+  if (lead.together == nullptr) return lead.kernels.rows_hold(lead.sub_step.rigid, x, tolerance);
   const AlignedColumns& columns = lead.together->columns;
-  const std::size_t n = tools.size() == 2 ? 12 : 24;
+  const std::size_t n = Together::UnknownsOf(tools.size());
   for (int r = 0; r < lead.together->rows; ++r) {
     double left = -columns[n][r];
     for (std::size_t c = 0; c < n; ++c) left += columns[c][r] * x[c];
@@ -138,17 +152,16 @@ bool RowsHold(Party tools, const double* x, double tolerance) noexcept {
 
 void NearestSteps(Party tools, bool with_energies) noexcept {
   StepContext& lead = Lead(tools);
-  if (tools.size() == 1) {
+  if (lead.together == nullptr) {
     lead.nearest = NearestStep(lead, lead.goal, with_energies);
     return;
   }
-  double t[6 * kMostTools] = {};
-  ToolRow guess[kMaxActiveRows * kMostTools];
+  double t[6 * kMostMembers] = {};
+  ToolRow guess[kMaxActiveRows * kMostMembers];
   std::size_t guesses = 0;
   for (std::size_t i = 0; i < tools.size(); ++i) {
     const StepContext& tool = *tools[i];
-    Eigen::Map<Vec6>(t + 6 * i) << tool.Scale() * tool.goal.v,
-        tool.Scale() * tool.model.rotation_length() * tool.goal.phi;
+    Vec6::Map(t + 6 * i) = tool.ToUnknowns(tool.Stacked(tool.goal.v, tool.goal.phi));
     int found[kMaxActiveRows];
     const int count = tool.buffers().rows.Find(tool.sub_step.active, found);
     for (int k = 0; k < count; ++k) guess[guesses++] = {i, found[k]};

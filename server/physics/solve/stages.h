@@ -51,7 +51,7 @@ void NearestSteps(Party tools, bool with_energies = false) noexcept;
 
 /// Returns in each tool's `nearest.qp` the point y nearest to t under the rows of all tools,
 /// without energies.  With w_i a tool's `weight`, y has the blocks sqrt(w_i) x_i, x_i = [v; rho
-/// phi]: the springs' energies over k_t of the first are 1/2 |y - t|^2.  `guess`: as
+/// phi], or a body's ToUnknowns: the energies over k_t of the first are 1/2 |y - t|^2.  `guess`: as
 /// SolveNearestPoint's.
 void SolveRows(Party tools, const double* t, std::span<const ToolRow> guess) noexcept;
 /// Returns whether the rows that SolveRows solved for hold at y.

@@ -160,8 +160,12 @@ struct StepContext {
   /// Returns whether IsRigid holds and the tool is a ball.
   bool IsFreeBall() const { return IsRigid() && buffers_.meshes->IsBall(); }
   /// Returns how much nearer to the hand a step ends than it begins: |t|^2 - |x - t|^2, with x =
-  /// [v; rho phi] and t the hand's [m^2].
+  /// [v; rho phi] and t the hand's [m^2]; of a body by its metric.
   double Gain(const Vec3& step_v, const Vec3& step_phi) const {
+    if (metric) {
+      const Vec6 y = metric->A * Stacked(step_v, step_phi);
+      return y.dot(2.0 * metric->A * Stacked(sub_step.target.v, sub_step.target.phi) - y);
+    }
     const double rho2 = model.rotation_length() * model.rotation_length();
     const double length2 = step_v.squaredNorm() + rho2 * step_phi.squaredNorm();
     return 2.0 * (step_v.dot(sub_step.target.v) + rho2 * step_phi.dot(sub_step.target.phi)) -
@@ -195,8 +199,20 @@ struct StepContext {
     };
     return buffers_.meshes && std::ranges::any_of(buffers_.meshes->of, moves);
   }
-  /// Sets the target: the hand relative to the tool.
+  /// Returns [v; rho phi].
+  Vec6 Stacked(const Vec3& v, const Vec3& phi) const {
+    Vec6 x;
+    x << v, model.rotation_length() * phi;
+    return x;
+  }
+  /// Sets the target: the hand relative to the tool; of a body, also its metric.
   void Aim() {
+    if (const Inertia* inertia = model.inertia()) {
+      metric = MetricAt(*inertia, {tools.p_G - tools.q_G * model.reference(), tools.q_G},
+                        state_.body, period, model.rotation_length());
+      sub_step.target = TargetOf(tools.p_G, tools.q_G, tools.p_H, tools.q_H);
+      return;
+    }
     sub_step.target = TargetFrom(tools.p_G, tools.q_G, tools.p_H, tools.q_H, state_.rotation_G);
   }
   /// Returns the spring's wrench after the tool has made a step towards the target.
@@ -222,10 +238,27 @@ struct StepContext {
   Optimum nearest;         ///< its result
   Advance advance;         ///< the candidate
   Outcome outcome;
-  // Of a tool that is stepped together with others:
+  // Of a tool that is stepped together with others, and of a body:
   double weight = 1.0;  ///< its k_t over that of the first
   double Scale() const { return std::sqrt(weight); }
-  Together* together = nullptr;  ///< null if it is alone
+  Together* together = nullptr;      ///< null for a tool that is alone
+  double period = 0.0;               ///< of a body [s]
+  std::optional<BodyMetric> metric;  ///< of a body
+
+  // The unknowns y of a party: a tool's are sqrt(w) x, x = [v; rho phi]; a body's sqrt(w) A (x -
+  // c).
+  Vec6 ToUnknowns(const Vec6& x) const {
+    return Scale() * (metric ? Vec6(metric->A * (x - metric->c)) : x);
+  }
+  Vec6 FromUnknowns(const Vec6& y) const {
+    const Vec6 x = y / Scale();
+    return metric ? Vec6(metric->B * x + metric->c) : x;
+  }
+  /// Returns a row of x as one of y, and what must be taken from its b.
+  Vec6 RowOfUnknowns(const Vec6& a) const {
+    return (metric ? Vec6(metric->B.transpose() * a) : a) / Scale();
+  }
+  double OffsetOf(const Vec6& a) const { return metric ? a.dot(metric->c) : 0.0; }
 
  private:
   StepState& state_;
@@ -250,12 +283,18 @@ struct ToolRow {
   bool operator==(const ToolRow&) const = default;
 };
 
-/// The scratch memory of a step of several tools: their rows side by side, of 24 unknowns at most.
+/// The scratch memory of a step of several tools and bodies: their rows side by side.
 struct Together {
-  explicit Together(int most_rows) : columns(25, static_cast<std::size_t>(most_rows + 16)) {}
+  /// Most rows of all members, and of the limits of their joints.
+  explicit Together(int most_rows, std::size_t members)
+      : columns(UnknownsOf(members) + 1, static_cast<std::size_t>(most_rows) + 2 * members + 16) {}
+  static std::size_t UnknownsOf(std::size_t members) {
+    return members <= 2 ? 12 : members <= 4 ? 24 : 48;
+  }
   AlignedColumns columns;
   int rows = 0;
-  std::array<std::int32_t, kMostTools> place;  ///< in the party, by a tool's number; negative: away
+  /// In the party, by a member's number; negative: it is not solved with it.
+  std::array<std::int32_t, kMostMembers> place;
 };
 
 inline std::int32_t StepContext::ToolOf(const MeshContact& contact) const {

@@ -144,7 +144,7 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
         distinct, [&](const PlacedTree* other) { return AreAlike(object, *other); });
     shape_of.push_back(static_cast<std::size_t>(alike - distinct.begin()));
     if (alike == distinct.end()) distinct.push_back(&object);
-    bodies.push_back({nullptr, PlacementOf(object.X_WB), first_leaf, object.frame, object.tool});
+    bodies.push_back({nullptr, PlacementOf(object.X_WB), first_leaf, object.frame, object.tool, object.is_body});
   }
   const auto shapes = MakeShapes(distinct);
   for (std::size_t body = 0; body < bodies.size(); ++body) {
@@ -172,7 +172,7 @@ bool Holds(const ContactShape& shape, const Vec3& p_S) {
 
 bool Hold(std::span<const ContactBody> bodies, const Vec3& p_B) {
   return std::ranges::any_of(bodies, [&](const ContactBody& body) {
-    return body.tool < 0 && Holds(*body.shape, body.X_BS.Inverse() * p_B);
+    return (body.tool < 0 || body.is_body) && Holds(*body.shape, body.X_BS.Inverse() * p_B);
   });
 }
 

@@ -68,7 +68,8 @@ struct ContactBody {
   Placement X_BS;
   std::int32_t first_leaf = 0;  ///< in the forest
   std::int32_t frame = 0;       ///< number of B: bodies of one frame stand still to each other
-  std::int32_t tool = -1;       ///< number of the tool that it is, or negative (PlacedTree)
+  std::int32_t tool = -1;       ///< number of the member that it is, or negative (PlacedTree)
+  bool is_body = false;         ///< whether that is a free body
 };
 
 /// A body A that moves against them, as contact sees it, about its reference point: its shape
