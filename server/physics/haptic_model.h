@@ -19,6 +19,9 @@
 
 namespace palpate {
 
+class HapticModel;
+using FreeBodyModels = std::vector<std::unique_ptr<const HapticModel>>;
+
 /// The objects that the tools of a scene can touch: the leaves of all objects as one tree, and
 /// the meshes of those objects that are touched by their mesh.  Immutable; the models of all tools
 /// share it.
@@ -48,6 +51,9 @@ struct SceneObjects {
   std::vector<CutSolid> solids;  ///< that burs can cut
   UncutBodies uncut;
   std::vector<MovedGroup> moved;  ///< group i is frame i + 1
+  /// Of those groups that are free, in this order: the last members of a step (StepTogether).
+  /// Null: there are none.
+  std::shared_ptr<const FreeBodyModels> free_bodies{};
 };
 
 /// Everything that a step needs and never changes: one tool and the objects of a scene.  Built when
@@ -74,6 +80,11 @@ class HapticModel {
   std::span<const ContactBody> bodies() const { return objects_->bodies; }
   std::span<const ContactBody> boxes() const { return objects_->boxes(); }
   std::span<const MovedGroup> moved() const { return objects_->moved; }
+  /// The models of the scene's free bodies, which are stepped with the tool.
+  std::span<const std::unique_ptr<const HapticModel>> free_bodies() const {
+    using Models = std::span<const std::unique_ptr<const HapticModel>>;
+    return objects_->free_bodies ? Models(*objects_->free_bodies) : Models();
+  }
   const UncutBodies& uncut() const { return objects_->uncut; }
   const ObjectForest* insides() const { return objects_->insides ? &*objects_->insides : nullptr; }
   /// Returns whether compliance is among the features and some leaf is soft.

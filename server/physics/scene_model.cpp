@@ -57,7 +57,7 @@ std::size_t CountHands(const Scene& scene) {
 
 /// Makes the objects of a scene: what stands still, and those that move from `first` on, counted as
 /// members of a step.
-std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene, std::size_t first) {
+std::shared_ptr<SceneObjects> MakeObjects(const Scene& scene, std::size_t first) {
   const DefaultRounding rounding;
   std::vector<PlacedTree> placed;
   std::vector<CutSolid> solids;
@@ -105,8 +105,8 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene, std::size_t 
         {.tree = &object.tree, .X_WB = {kAway, Quat::Identity()}, .mesh = &object.mesh});
   }
   const bool knows_all = first <= hands;
-  return std::make_shared<const SceneObjects>(placed, scene.features.contact, std::move(solids),
-                                              knows_all ? scene.moved : std::vector<MovedGroup>{});
+  return std::make_shared<SceneObjects>(placed, scene.features.contact, std::move(solids),
+                                        knows_all ? scene.moved : std::vector<MovedGroup>{});
 }
 
 TriangleMesh Placed(TriangleMesh mesh, const Pose& X) {
@@ -135,18 +135,8 @@ SphereTree Placed(SphereTree tree, const Pose& X) {
   return tree;
 }
 
-}  // namespace
-
-std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
-  return MakeObjects(scene, CountHands(scene));
-}
-
-std::size_t CountFreeBodies(const Scene& scene) {
-  return FreeBodies(scene).size();
-}
-
+/// Makes the model of a free body: what it may touch is what stands still, and the bodies after it.
 HapticModel MakeBodyModel(const Scene& scene, std::size_t body) {
-  const DefaultRounding rounding;
   const std::uint32_t number = FreeBodies(scene)[body];
   const MovedGroup& group = scene.moved[number - 1];
   const FreeBody& free = *group.free;
@@ -171,6 +161,26 @@ HapticModel MakeBodyModel(const Scene& scene, std::size_t body) {
                      std::nullopt, Effects(), Inertia{free, scene.gravity});
 }
 
+}  // namespace
+
+std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene) {
+  const DefaultRounding rounding;
+  const std::shared_ptr<SceneObjects> objects = MakeObjects(scene, CountHands(scene));
+  const std::size_t bodies = FreeBodies(scene).size();
+  if (bodies == 0) return objects;
+  if (CountHands(scene) + bodies > kMostMembers) {
+    throw Error(scene.name + ": has " + std::to_string(bodies) +
+                " free bodies; with its hands, at most " + std::to_string(kMostMembers) +
+                " can move together; let some stand still");
+  }
+  FreeBodyModels models;
+  for (std::size_t i = 0; i < bodies; ++i) {
+    models.push_back(std::make_unique<const HapticModel>(MakeBodyModel(scene, i)));
+  }
+  objects->free_bodies = std::make_shared<const FreeBodyModels>(std::move(models));
+  return objects;
+}
+
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects) {
   const DefaultRounding rounding;
@@ -183,7 +193,12 @@ HapticModel MakeModel(const Scene& scene, const Body& tool,
   parameters.features = scene.features;
   const auto number = std::ranges::find(scene.tools, tool.name, &Body::name) - scene.tools.begin();
   const std::size_t next = static_cast<std::size_t>(number) + 1;
-  if (scene.hands_meet) objects = MakeObjects(scene, next);
+  if (scene.hands_meet) {
+    // What it touches are the hands after it.
+    const std::shared_ptr<SceneObjects> own = MakeObjects(scene, next);
+    own->free_bodies = objects->free_bodies;
+    objects = own;
+  }
   return HapticModel(tool.tree, std::move(objects), parameters, &tool.mesh,
                      tool.bur ? std::optional(CuttingOf(*tool.bur)) : std::nullopt,
                      Effects(scene.effects));

@@ -17,10 +17,4 @@ std::shared_ptr<const SceneObjects> MakeObjects(const Scene& scene);
 HapticModel MakeModel(const Scene& scene, const Body& tool,
                       std::shared_ptr<const SceneObjects> objects);
 
-/// Returns how many free bodies a scene has, and makes the model of one: what it may touch is what
-/// stands still, and the bodies after it.  Members of a step (StepTogether) are a scene's tool, or
-/// all of them if its hands meet, then these.
-std::size_t CountFreeBodies(const Scene& scene);
-HapticModel MakeBodyModel(const Scene& scene, std::size_t body);
-
 }  // namespace palpate

@@ -43,8 +43,10 @@ bool IsFree(const HapticModel& model, const Pose& X_WT, std::span<const CutField
   if (!buffers.meshes) return true;
   // A tool whose mesh intersects no other lies wholly inside an object or wholly outside.
   const auto is_free = [&](MeshContact& contact) {
-    const auto frame = static_cast<std::size_t>(contact.meshes.frame);
-    return buffers.tool_of_frame[frame] >= 0 || IsFree(contact.meshes, at);
+    const auto is_hand = [&](const ContactBody& body) {
+      return body.frame == contact.meshes.frame && body.tool >= 0 && !body.is_body;
+    };
+    return std::ranges::any_of(model.bodies(), is_hand) || IsFree(contact.meshes, at);
   };
   return buffers.meshes->All(is_free) &&
          !Hold(model.bodies(), at.p + at.R * model.tool_body()->mesh.vertices()[0]);
@@ -87,9 +89,9 @@ bool Meet(const HapticModel& model, const Pose& X_WT, std::int32_t tool, const P
   const auto& frames = workspace.buffers().meshes->of;
   if (!IsFree(frames[static_cast<std::size_t>(body->frame)].meshes, at)) return true;
   const MovingBody& own = *model.tool_body();
-  return Holds(*body->shape, at.p + at.R * own.mesh.vertices()[0]) ||
+  return Holds(*body->shape, body->X_BS.Inverse() * (at.p + at.R * own.mesh.vertices()[0])) ||
          (!model.is_ball() &&
-          Holds(own, at.R.transpose() * (body->shape->mesh.vertices()[0] - at.p)));
+          Holds(own, at.R.transpose() * (body->X_BS * body->shape->mesh.vertices()[0] - at.p)));
 }
 
 StartPose ResolveStart(const HapticModel& model, const Pose& X_WH, StepWorkspace& workspace,

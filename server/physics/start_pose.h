@@ -17,8 +17,8 @@ struct StartPose {
   double depth = 0.0;
 };
 
-/// Returns whether a tool at X_WT meets another of its scene's tools, of which its model knows, and
-/// which is at X_WB.  Real-time: some hundred microseconds at most.
+/// Returns whether a tool at X_WT meets another member of its scene (StepTogether), of which its
+/// model knows, and which is at X_WB.  Real-time: some hundred microseconds at most.
 bool Meet(const HapticModel& model, const Pose& X_WT, std::int32_t tool, const Pose& X_WB,
           StepWorkspace& workspace) noexcept;
 

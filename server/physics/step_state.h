@@ -129,10 +129,10 @@ struct StepState {
       if (of.tool >= 0 && !of.is_body) frames[static_cast<std::size_t>(of.frame)].Leave();
     }
   }
-  /// Puts the groups of the model where they begin.
-  void RestMoved() noexcept {
+  /// Puts the groups of the model, so many, where they begin.
+  void RestMoved(std::size_t groups) noexcept {
     moved = 0;
-    for (std::size_t i = 1; i < frames.size(); ++i) {
+    for (std::size_t i = 1; i < frames.size() && i <= groups; ++i) {
       frames[i].X_WB = frames[i].X_WB_next = Pose{};
       frames[i].front.Clear();
     }

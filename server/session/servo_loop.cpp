@@ -135,7 +135,7 @@ void ServoLoop::BecomeWhole(std::uint64_t pose_sequence) noexcept {
   // What cannot be recorded is not done.
   if (newest == period_ || !wholes_.Push(pose_sequence)) return;
   for (CutField& cut : cuts()) cut.MakeWhole();
-  state().RestMoved();
+  state().RestMoved(model().moved().size());
   merging_ = 0;
   started_ = false;
   gain() = 0.0;

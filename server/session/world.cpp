@@ -1,6 +1,7 @@
 #include "server/session/world.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "server/physics/start_pose.h"
@@ -15,15 +16,22 @@ PriorityMutex::PriorityMutex() {
   pthread_mutexattr_destroy(&attributes);
 }
 
-World::World(std::vector<const HapticModel*> models) {
-  if (models.size() != 1) together_.emplace(models);
-  for (const HapticModel* model : models) {
-    ToolStep& step = steps_[tools_.size()];
-    Tool& tool = *tools_.emplace_back(std::make_unique<Tool>(*model));
-    step.model = model;
-    step.state = &tool.state;
-    step.workspace = &tool.workspace;
-    step.share = 0.0;
+World::World(const std::vector<const HapticModel*>& models) {
+  std::vector<const HapticModel*> members = models;
+  for (const auto& body : models.front()->free_bodies()) members.push_back(body.get());
+  if (members.size() != 1) together_.emplace(members);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const auto set = [&](auto& member, double share) {
+      steps_[i].model = member.model;
+      steps_[i].state = &member.state;
+      steps_[i].workspace = &member.workspace;
+      steps_[i].share = share;
+    };
+    if (i < models.size()) {
+      set(*tools_.emplace_back(std::make_unique<Tool>(*members[i])), 0.0);
+    } else {
+      set(*bodies_.emplace_back(std::make_unique<FreeOne>(*members[i])), 1.0);
+    }
   }
 }
 
@@ -55,14 +63,23 @@ bool World::MeetsOthers(std::size_t tool, const Pose& X_WG) noexcept {
       return true;
     }
   }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (Meet(*tools_[tool]->model, X_WG, static_cast<std::int32_t>(tools_.size() + i),
+             bodies_[i]->state.X_WG, tools_[tool]->workspace)) {
+      return true;
+    }
+  }
   return false;
 }
 
 bool World::Place(std::size_t tool, std::uint32_t hand, const Pose& X_WG) noexcept {
   Tool& placed = *tools_[tool];
-  if (is_shared()) {
+  if (together_) {
     if (placed.hand != 0 && placed.hand != hand) return false;
     LetGo(tool);
+    if (there() == 0) {
+      for (const auto& body : bodies_) body->state = body->fresh;
+    }
     if (MeetsOthers(tool, X_WG)) return false;
     placed.state = placed.fresh;
     placed.pause = kFirstPauses;
@@ -99,12 +116,15 @@ const StepReport& World::Step(std::size_t tool, const Pose& X_WH) noexcept {
   Tool& moved = *tools_[tool];
   ToolStep& step = steps_[tool];
   const double gain = step.share + kGainUp;
-  if (is_shared()) {
+  if (together_) {
     moved.pause += (std::ranges::max(moved.silent) - moved.pause) / 8.0;
     moved.silent.fill(0);
     step.share = std::min(1.0, gain);
     step.X_WH = X_WH;
-    StepTogether(std::span(steps_).first(tools_.size()), *together_);
+    for (std::size_t i = tools_.size(); i < tools_.size() + bodies_.size(); ++i) {
+      steps_[i].period = kPeriod / std::popcount(there());
+    }
+    StepTogether(std::span(steps_).first(tools_.size() + bodies_.size()), *together_);
   } else {
     step.report = HapticStep(*moved.model, X_WH, moved.state, moved.workspace);
     step.share = gain < 1.0 ? gain : 1.0;

@@ -29,7 +29,9 @@ class PriorityMutex {
 };
 
 /// The tools that are stepped together when a pose of any of their hands comes: one tool alone, or
-/// all of a scene whose hands meet (Scene::hands_meet).  README.md, "Hands that meet", explains it.
+/// all of a scene whose hands meet (Scene::hands_meet); and the scene's free bodies, for which a
+/// millisecond passes with one pose of each hand that is there.  They rest until the first tool is
+/// there, and go back when it comes again.  README.md, "Hands that meet", explains it.
 ///
 /// A tool is there from Place until it is let go.  What a step does depends on the order in which
 /// poses have come, and on nothing else.
@@ -42,12 +44,13 @@ class World {
   static constexpr double kPatience = 25.0;
   static constexpr double kPauses = 8.0;
   static constexpr double kFirstPauses = 12.0;    ///< what a new hand is taken to need
+  static constexpr double kPeriod = 1e-3;         ///< of a hand's poses [s]
   static constexpr double kGainUp = 1.0 / 200.0;  ///< per pose: 200 ms from none to full force
   static constexpr double kGainDown = 1.0 / 20.0;
 
   /// The models of all tools, which must outlive this.  Throws Error if they cannot be stepped
   /// together.
-  explicit World(std::vector<const HapticModel*> models);
+  explicit World(const std::vector<const HapticModel*>& models);
 
   /// The time in which one thread steps the world.  Real-time: it waits for other hands' steps.
   class Turn {
@@ -107,14 +110,23 @@ class World {
     bool is_left = false;         ///< its hand has left
     double pause = kFirstPauses;  ///< usual greatest of these, when its own pose comes
   };
+  /// A free body.
+  struct FreeOne {
+    explicit FreeOne(const HapticModel& of) : model(&of), workspace(of), fresh(of), state(of) {}
+    const HapticModel* model;
+    StepWorkspace workspace;
+    const StepState fresh;
+    StepState state;
+  };
   /// The frame of a tool in the model of one that is listed before it.
   BodyFrame& FrameOf(std::size_t tool, std::size_t before) {
-    return tools_[before]->state.frames[tool - before];
+    return tools_[before]->state.frames[model(before).moved().size() + tool - before];
   }
   bool MeetsOthers(std::size_t tool, const Pose& X_WG) noexcept;
 
   std::vector<std::unique_ptr<Tool>> tools_;
-  std::array<ToolStep, kMostTools> steps_;  // of tools_; their `share` is the gain
+  std::vector<std::unique_ptr<FreeOne>> bodies_;
+  std::array<ToolStep, kMostMembers> steps_;  // of tools_, whose `share` is the gain, then bodies_
   std::optional<TogetherWorkspace> together_;
   std::uint64_t step_count_ = 0;
   std::atomic<std::uint32_t> hands_{0};

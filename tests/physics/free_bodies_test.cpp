@@ -69,15 +69,13 @@ class FreeWorld {
     for (const Body& tool : scene_.tools) {
       models_.push_back(std::make_unique<HapticModel>(MakeModel(scene_, tool, objects)));
     }
-    for (std::size_t i = 0; i < CountFreeBodies(scene_); ++i) {
-      models_.push_back(std::make_unique<HapticModel>(MakeBodyModel(scene_, i)));
-    }
     std::vector<const HapticModel*> all;
-    for (const auto& model : models_) {
-      all.push_back(model.get());
+    for (const auto& model : models_) all.push_back(model.get());
+    for (const auto& model : *objects->free_bodies) all.push_back(model.get());
+    for (const HapticModel* model : all) {
       states_.push_back(std::make_unique<StepState>(*model));
       workspaces_.push_back(std::make_unique<StepWorkspace>(*model));
-      steps_.push_back({model.get(), {}, states_.back().get(), workspaces_.back().get()});
+      steps_.push_back({model, {}, states_.back().get(), workspaces_.back().get()});
     }
     for (std::size_t i = 0; i < hands(); ++i) {
       states_[i]->X_WG = states_[i]->X_WH = steps_[i].X_WH = scene_.tools[i].X_WB;

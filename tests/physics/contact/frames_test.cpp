@@ -279,7 +279,7 @@ TEST(Frames, OfASceneMoveStepByStep) {
     EXPECT_EQ(state.frames[1].X_WB.p.z(), up) << i;
     EXPECT_NEAR(report.wrench.force.z(), 1000.0 * std::max(0.0, floor + up + half), 2e-3) << i;
   }
-  state.RestMoved();
+  state.RestMoved(state.frames.size());
   EXPECT_EQ(state.frames[1].X_WB.p.z(), 0.0);
   EXPECT_EQ(HapticStep(model, Pose{}, state, workspace).wrench.force.norm(), 0.0);
 }
