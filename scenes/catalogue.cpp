@@ -36,6 +36,7 @@
 #include "scenes/leaf_paint.h"
 #include "scenes/mesh/ambient_light.h"
 #include "scenes/mesh/curved_mesh.h"
+#include "scenes/mesh/mass_properties.h"
 #include "scenes/mesh/mesh_import.h"
 #include "scenes/mesh/mesh_mend.h"
 #include "scenes/mesh/mesh_orient.h"
@@ -441,6 +442,22 @@ Body BodyOf(const BodyDescription& from, Shape shape, const LoadOptions& options
   return body;
 }
 
+/// Gives a free body the mass and the inertia of its mesh.
+void Weigh(const BodyDescription& from, const Body& object, FreeBody& body) {
+  const std::optional<MassProperties> solid = MassOf(object.mesh, object.X_WB);
+  if (!solid) {
+    throw Error(from.free_where + ": " + from.name +
+                " has no volume: its mesh is open, or inside out; give a closed mesh, or let it "
+                "stand still");
+  }
+  if (from.density) body.mass = *from.density * solid->volume;
+  body.centre = solid->centre;
+  body.inertia = body.mass / solid->volume * solid->inertia;
+  if (const std::string fault = BodyFault(body); !fault.empty()) {
+    throw Error(from.free_where + ": " + from.name + " " + fault);
+  }
+}
+
 Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   Scene scene;
   scene.name = description.name;
@@ -450,6 +467,7 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   scene.first_sight = description.first_sight;
   scene.moved = description.moved;
   scene.hands_meet = description.hands_meet;
+  scene.gravity = description.gravity;
   const std::vector<const BodyDescription*> distinct = DistinctBodies(description);
   std::vector<MadeShape> shapes = MakeShapes(distinct, options);
   const auto number_of = [&](const BodyDescription& body) {
@@ -478,6 +496,9 @@ Scene Compile(const SceneDescription& description, const LoadOptions& options) {
   }
   for (const BodyDescription& object : description.objects) {
     scene.objects.push_back(compile(object));
+    if (object.moved > 0 && scene.moved[object.moved - 1].free) {
+      Weigh(object, scene.objects.back(), *scene.moved[object.moved - 1].free);
+    }
   }
   if (std::ranges::none_of(scene.objects, [](const Body& body) { return body.look.empty(); })) {
     LightObjects(scene.objects);

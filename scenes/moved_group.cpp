@@ -33,7 +33,7 @@ Pose MovedGroup::At(std::int64_t steps) const noexcept {
 }
 
 std::string MotionFault(const MovedGroup& group) {
-  if (group.free) return "";
+  if (group.free) return BodyFault(*group.free);
   const std::vector<MotionKey>& keys = group.keys;
   if (keys.size() < 2) return "has no motion; give at least two keys";
   if (!group.point.allFinite() || !(std::abs(group.axis.norm() - 1.0) < 1e-9)) {

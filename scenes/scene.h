@@ -142,6 +142,8 @@ struct FirstSight {
 
 /// Most tools of a scene whose hands meet.
 inline constexpr std::size_t kMostHands = 4;
+/// Most hands and free bodies that move together.
+inline constexpr std::size_t kMostMembers = 8;
 
 /// A compiled scene: what the server loads, and what is sent to others
 /// (scene_bundle.h).  Immutable.

@@ -37,6 +37,13 @@ std::string MovedLines(const Scene& scene) {
   std::string lines;
   for (std::size_t i = 0; i < scene.moved.size(); ++i) {
     const MovedGroup& group = scene.moved[i];
+    if (group.free) {
+      static constexpr const char* kJoints[] = {"", ", on a hinge", ", on a slider",
+                                                ", on a ball joint", ", on springs"};
+      lines += fmt::format("  free {}: {:.3g} g{}\n", group.name, 1e3 * group.free->mass,
+                           kJoints[static_cast<int>(group.free->joint.kind)]);
+      continue;
+    }
     lines += fmt::format("  moves {}: {} objects, in {:g} s{}\n", group.name,
                          std::ranges::count(scene.objects, i + 1, &Body::moved),
                          1e-3 * static_cast<double>(group.keys.back().at),

@@ -158,14 +158,29 @@ auto PackEffects(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
   return packed.empty() ? 0 : out.CreateVector(packed);
 }
 
+flatbuffers::Offset<wire::FreeBody> PackFree(const FreeBody& body,
+                                             flatbuffers::FlatBufferBuilder& out) {
+  const Mat3& I = body.inertia;
+  const std::vector<double> inertia{I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)};
+  const BodyJoint& joint = body.joint;
+  const wire::Vec3 centre = ToWire(body.centre), point = ToWire(joint.point),
+                   axis = ToWire(joint.axis);
+  return wire::CreateFreeBodyDirect(out, body.mass, &centre, &inertia,
+                                    static_cast<std::uint8_t>(joint.kind), &point, &axis, joint.low,
+                                    joint.high, joint.stiffness, joint.damping,
+                                    joint.torsional_stiffness, joint.torsional_damping);
+}
+
 auto PackMoved(const Scene& scene, flatbuffers::FlatBufferBuilder& out) {
   std::vector<flatbuffers::Offset<wire::MovedGroup>> packed;
   for (const MovedGroup& group : scene.moved) {
     std::vector<wire::MotionKey> keys;
     for (const MotionKey& key : group.keys) keys.emplace_back(key.at, key.turn, ToWire(key.shift));
     const wire::Vec3 point = ToWire(group.point), axis = ToWire(group.axis);
+    const auto free =
+        group.free ? PackFree(*group.free, out) : flatbuffers::Offset<wire::FreeBody>();
     packed.push_back(wire::CreateMovedGroupDirect(out, group.name.c_str(), &point, &axis,
-                                                  group.smooth, group.repeats, &keys));
+                                                  group.smooth, group.repeats, &keys, free));
   }
   return packed.empty() ? 0 : out.CreateVector(packed);
 }
@@ -459,14 +474,36 @@ Effect FromWire(const wire::Effect& in) {
   return effect;
 }
 
+FreeBody FromWire(const wire::FreeBody& in) {
+  Require(in.centre() != nullptr && in.point() != nullptr && in.axis() != nullptr &&
+              in.inertia()->size() == 6 &&
+              in.kind() <= static_cast<std::uint8_t>(BodyJoint::Kind::kSprings),
+          "a free body is incomplete");
+  const auto I = [&](unsigned i) { return in.inertia()->Get(i); };
+  FreeBody body{in.mass(), FromWire(*in.centre())};
+  body.inertia << I(0), I(3), I(4), I(3), I(1), I(5), I(4), I(5), I(2);
+  body.joint = {static_cast<BodyJoint::Kind>(in.kind()),
+                FromWire(*in.point()),
+                FromWire(*in.axis()),
+                in.low(),
+                in.high(),
+                in.stiffness(),
+                in.damping(),
+                in.torsional_stiffness(),
+                in.torsional_damping()};
+  return body;
+}
+
 MovedGroup FromWire(const wire::MovedGroup& in) {
   Require(in.point() != nullptr && in.axis() != nullptr, "a group that moves has no axis");
-  MovedGroup group{.name = ReadName(*in.name()),
-                   .point = FromWire(*in.point()),
-                   .axis = FromWire(*in.axis()),
-                   .keys = {},
-                   .smooth = in.smooth(),
-                   .repeats = in.repeats()};
+  MovedGroup group{
+      .name = ReadName(*in.name()),
+      .free = in.free() == nullptr ? std::nullopt : std::optional(FromWire(*in.free())),
+      .point = FromWire(*in.point()),
+      .axis = FromWire(*in.axis()),
+      .keys = {},
+      .smooth = in.smooth(),
+      .repeats = in.repeats()};
   for (const wire::MotionKey* key : *in.keys()) {
     group.keys.push_back({key->at(), key->turn(), FromWire(key->shift())});
   }
@@ -546,6 +583,8 @@ Scene ReadScene(const wire::Scene& in) {
     Require(in.moved()->size() <= kMostMoved, "too many groups move");
     for (const wire::MovedGroup* group : *in.moved()) scene.moved.push_back(FromWire(*group));
   }
+  if (in.gravity() != nullptr) scene.gravity = FromWire(*in.gravity());
+  Require(scene.gravity.allFinite(), "gravity is not finite");
   for (const Body& object : scene.objects) {
     Require(object.moved <= scene.moved.size(), "an object moves with no group");
   }
@@ -653,6 +692,8 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
   const auto effects = PackEffects(scene, out);
   const auto moved = PackMoved(scene, out);
   const wire::Features features = ToWire(scene.features);
+  std::optional<wire::Vec3> gravity;
+  if (!scene.gravity.isZero(0.0)) gravity = ToWire(scene.gravity);
   std::optional<wire::FirstSight> sight;
   if (scene.first_sight) {
     sight.emplace(ToWire(scene.first_sight->centre), scene.first_sight->radius,
@@ -663,7 +704,7 @@ std::vector<std::uint8_t> PackScene(const Scene& scene, std::uint64_t content_ke
                         scene.coupling.torsional_stiffness, &features, sight ? &*sight : nullptr,
                         scene.tuning.separation, scene.tuning.widest_step, scene.tuning.sub_steps,
                         scene.tuning.iterates, scene.tuning.queries, scene.tuning.still_cycles,
-                        effects, moved, scene.hands_meet),
+                        effects, moved, scene.hands_meet, gravity ? &*gravity : nullptr),
       wire::SceneIdentifier());
 
   Header header{};

@@ -542,7 +542,7 @@ BodyDescription ReadBody(const JsonNode& node, BodyKind kind, const fs::path& fo
   const std::string_view pose_field = object ? "pose" : "start";
   if (object) {
     node.AllowOnly({"name", "mesh", "leaves", "tree", pose_field, "look", "material", "regions",
-                    "grid_um", "moved"});
+                    "grid_um", "moved", "free"});
   } else {
     node.AllowOnly({"name", "mesh", "bur", "speed_rpm", "vibration", "edge", "leaves", "tree",
                     pose_field, "look", "material"});
@@ -675,6 +675,117 @@ void ReadAllMoved(const JsonNode& root, SceneDescription& scene) {
   }
 }
 
+/// Refuses what cannot be stepped as one problem with several hands, or with free bodies.
+/// @param field, what  that asks for it, and its name for people
+void RefuseBeside(const std::string& field, const std::string& what, const JsonNode& root,
+                  const SceneDescription& scene) {
+  const auto refuse = [&](const JsonNode& node, const char* other, const char* why) {
+    if (auto found = node.Find(other)) {
+      found->Fail("does not go with \"" + field + "\": " + why + "; drop one of the two");
+    }
+  };
+  if (scene.features.contact == ContactModel::kSpheres) {
+    root.At("contact").Fail(what + " touch by their meshes; use \"surface\", or drop \"" + field +
+                            "\"");
+  }
+  if (scene.features.friction == FrictionModel::kChapter) {
+    root.At("friction")
+        .Fail("chapter friction is of one tool; use \"coulomb\", or drop \"" + field + "\"");
+  }
+  refuse(root, "effects", "they count the steps of one hand");
+  const std::vector<JsonNode> objects = root.At("objects").Items();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    refuse(objects[i], "grid_um", "nothing is cut there");
+    if (FeltByLeaves(scene.objects[i])) {
+      objects[i]
+          .At("material")
+          .Fail("only rigid objects go with \"" + field + "\"; drop the stiffness and modulus");
+    }
+  }
+}
+
+/// Reads the joint of a free body.
+BodyJoint ReadJoint(const JsonNode& node) {
+  using Kind = BodyJoint::Kind;
+  static constexpr std::string_view kKinds[] = {"hinge", "slider", "ball", "springs"};
+  const std::string word = node.At("kind").OneOf({std::begin(kKinds), std::end(kKinds)});
+  BodyJoint joint;
+  joint.kind = static_cast<Kind>(std::ranges::find(kKinds, word) - kKinds + 1);
+  const bool has_axis = joint.kind == Kind::kHinge || joint.kind == Kind::kSlider;
+  const bool shifts = joint.kind == Kind::kSlider || joint.kind == Kind::kSprings;
+  const char* const limits = joint.kind == Kind::kHinge ? "limits_deg" : "limits_mm";
+  std::vector<std::string_view> fields{"kind"};
+  if (joint.kind != Kind::kSlider) {
+    fields.push_back("point_mm");
+    joint.point = 1e-3 * node.At("point_mm").Vector();
+  }
+  if (has_axis) {
+    fields.insert(fields.end(), {"axis", limits});
+    joint.axis = ReadDirection(node.At("axis"));
+    if (auto range = node.Find(limits)) {
+      const double unit = joint.kind == Kind::kHinge ? M_PI / 180.0 : 1e-3;
+      const std::vector<JsonNode> ends = range->Items(2, 2);
+      joint.low = unit * ends[0].Number();
+      joint.high = unit * ends[1].Number();
+      if (!(joint.low <= 0.0 && joint.high >= 0.0)) {
+        range->Fail("must include 0, where the object is placed; give a first number of at most 0");
+      }
+    }
+  }
+  const auto read = [&](const char* field, double& value) {
+    fields.push_back(field);
+    if (auto number = node.Find(field)) value = number->Number(0.0, 1e9);
+  };
+  if (shifts) {
+    read("stiffness_N_per_m", joint.stiffness);
+    read("damping_N_s_per_m", joint.damping);
+  }
+  if (joint.kind != Kind::kSlider) {
+    read("torsional_stiffness_Nm_per_rad", joint.torsional_stiffness);
+    read("torsional_damping_Nm_s_per_rad", joint.torsional_damping);
+  }
+  node.AllowOnly(fields);
+  return joint;
+}
+
+/// Reads the objects that are free bodies, each of which is a group of its own, and gravity.
+void ReadAllFree(const JsonNode& root, SceneDescription& scene) {
+  if (auto gravity = root.Find("gravity_m_per_s2")) scene.gravity = gravity->Vector(100.0);
+  const bool scripted = !scene.moved.empty();
+  const std::vector<JsonNode> objects = root.At("objects").Items();
+  bool any = false;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto node = objects[i].Find("free");
+    if (!node) continue;
+    any = true;
+    BodyDescription& object = scene.objects[i];
+    const std::size_t hands = scene.hands_meet ? scene.tools.size() : 1;
+    if (scripted) {
+      node->Fail("does not go with \"moved\": scripts count the steps; drop one of the two");
+    }
+    if (hands + scene.moved.size() + 1 > kMostMembers) {
+      node->Fail("is that of one body more than can move together with the hands, " +
+                 std::to_string(kMostMembers - hands) + "; let others stand still");
+    }
+    if (object.leaves == 1) {
+      objects[i].At("leaves").Fail("a free body touches by its mesh; give it more leaves");
+    }
+    node->AllowOnly({"mass_kg", "density_kg_per_m3", "joint"});
+    FreeBody body;
+    object.free_where = node->Where();
+    const auto mass = node->Find("mass_kg"), density = node->Find("density_kg_per_m3");
+    if (mass.has_value() == density.has_value()) {
+      node->Fail("needs its mass; give either \"mass_kg\" or \"density_kg_per_m3\"");
+    }
+    if (mass) body.mass = mass->Number(1e-6, 1e3);
+    if (density) object.density = density->Number(1.0, 30'000.0);
+    if (auto joint = node->Find("joint")) body.joint = ReadJoint(*joint);
+    scene.moved.push_back({.name = object.name, .free = body});
+    object.moved = static_cast<std::uint32_t>(scene.moved.size());
+  }
+  if (any) RefuseBeside("free", "free bodies", root, scene);
+}
+
 /// Reads whether the tools touch each other, and refuses what cannot be stepped with several hands.
 void ReadHandsMeet(const JsonNode& root, SceneDescription& scene) {
   const auto meet = root.Find("hands_meet");
@@ -693,32 +804,10 @@ void ReadHandsMeet(const JsonNode& root, SceneDescription& scene) {
     meet->Fail("needs two to four tools, and there are " + std::to_string(tools.size()) +
                "; list others under \"tools\", or drop it");
   }
-  const auto refuse = [](const JsonNode& node, const char* field, const char* why) {
-    if (auto found = node.Find(field)) {
-      found->Fail(std::string("does not go with \"hands_meet\": ") + why + "; drop one of the two");
-    }
-  };
-  if (scene.features.contact == ContactModel::kSpheres) {
-    root.At("contact").Fail(
-        "hands meet by the meshes of their tools; use \"surface\", or drop \"hands_meet\"");
-  }
-  if (scene.features.friction == FrictionModel::kChapter) {
-    root.At("friction")
-        .Fail("chapter friction is of one tool; use \"coulomb\", or drop \"hands_meet\"");
-  }
-  refuse(root, "effects", "they count the steps, of which several hands make more");
+  RefuseBeside("hands_meet", "hands that meet", root, scene);
   for (std::size_t i = 0; i < tools.size(); ++i) {
     if (i > 0 && scene.tools[i].leaves == 1) {
       tools[i].At("leaves").Fail("a ball can meet other tools only as the first; list it first");
-    }
-  }
-  const std::vector<JsonNode> objects = root.At("objects").Items();
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    refuse(objects[i], "grid_um", "nothing is cut there");
-    if (FeltByLeaves(scene.objects[i])) {
-      objects[i]
-          .At("material")
-          .Fail("only rigid objects go with \"hands_meet\"; drop the stiffness and modulus");
     }
   }
 }
@@ -781,7 +870,8 @@ void ReadTuning(const JsonNode& node, StepTuning& tuning) {
 SceneDescription ParseScene(std::string_view text, const std::string& file) {
   const JsonNode root = JsonNode::Parse(text, file);
   root.AllowOnly({"name", "description", "tools", "objects", "coupling", "contact", "friction",
-                  "first_sight", "step", "effects", "whole_at_start", "moved", "hands_meet"});
+                  "first_sight", "step", "effects", "whole_at_start", "moved", "hands_meet",
+                  "gravity_m_per_s2"});
   SceneDescription scene;
   const fs::path path(file);
   scene.name = SceneNameOf(path);
@@ -811,6 +901,7 @@ SceneDescription ParseScene(std::string_view text, const std::string& file) {
   CheckCutting(root, scene);
   ReadAllMoved(root, scene);
   ReadHandsMeet(root, scene);
+  ReadAllFree(root, scene);
   if (auto whole = root.Find("whole_at_start")) {
     scene.whole_at_start = whole->Boolean();
     const bool is_cut = std::ranges::any_of(

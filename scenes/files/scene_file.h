@@ -91,6 +91,8 @@ struct BodyDescription {
   std::string edge_where;                  ///< "file:line: field"
   std::string look;                        ///< one of kLooks; empty: by its material
   std::uint32_t moved = 0;                 ///< objects: as Body::moved
+  std::optional<double> density;           ///< of a free body whose mass is not given [kg/m^3]
+  std::string free_where;                  ///< of a free body: "file:line: field"
 };
 
 /// The looks that viewers can draw.  Those of teeth, gums, tongues and probes assume the frames
@@ -104,6 +106,7 @@ struct SceneDescription {
   std::vector<BodyDescription> tools, objects;
   std::vector<MovedGroup> moved;
   bool hands_meet = false;
+  Vec3 gravity = Vec3::Zero();
   Coupling coupling;
   StepTuning tuning;
   std::string coupling_where;  ///< "file:line: field" of the torsional stiffness

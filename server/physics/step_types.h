@@ -15,9 +15,8 @@
 
 namespace palpate {
 
-/// Most tools that are stepped together (StepTogether), and most with free bodies.
+/// Most tools that are stepped together (StepTogether).
 inline constexpr std::size_t kMostTools = kMostHands;
-inline constexpr std::size_t kMostMembers = 8;
 
 /// A body placed in the world.  The call that takes it does not keep its pointers.
 struct PlacedTree {

@@ -78,5 +78,22 @@ TEST(MovedGroup, RefusesWhatIsNoMotion) {
               HasSubstr("not where it begins"));
 }
 
+TEST(FreeBody, IsRefusedIfNoSolidIsLikeIt) {
+  FreeBody body{0.02, Vec3::Zero(), Vec3(1e-6, 2e-6, 2e-6).asDiagonal()};
+  const auto fault_with = [&](auto change) {
+    FreeBody changed = body;
+    change(changed);
+    return MotionFault(MovedGroup{.name = "body", .free = changed});
+  };
+  EXPECT_EQ(fault_with([](FreeBody&) {}), "");
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.mass = 0.0; }), HasSubstr("mass"));
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.inertia(0, 0) = 5e-6; }), HasSubstr("no solid"));
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.inertia(0, 0) = -1e-6; }), HasSubstr("no solid"));
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.inertia(0, 1) = 1e-6; }), HasSubstr("no inertia"));
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.joint.axis *= 2.0; }), HasSubstr("axis"));
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.joint.low = 0.1; }), HasSubstr("limits"));
+  EXPECT_THAT(fault_with([](FreeBody& b) { b.joint.damping = -1.0; }), HasSubstr("spring"));
+}
+
 }  // namespace
 }  // namespace palpate

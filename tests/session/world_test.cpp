@@ -85,6 +85,12 @@ class Hands {
       Send(1, At(0.0, 0.0));
     }
   }
+  /// Returns how far the first free body has moved.
+  Vec3 Block() {
+    LoopSnapshot snapshot;
+    EXPECT_TRUE(loop(0).ReadSnapshot(snapshot));
+    return snapshot.X_moved[0].p;
+  }
   ServoLoop& loop(std::size_t i) { return *loops_[i]; }
   Hand& clock(std::size_t i) { return clocks_[i]; }
   World& world() { return *world_; }
@@ -111,6 +117,62 @@ TEST(World, LetsTwoHandsFeelEachOther) {
   EXPECT_EQ(lower.step, upper.step + 1);
   EXPECT_GT(upper.contacts, 0u);
   EXPECT_EQ(upper.rows, 0u) << "a station alone cannot know how the other gives way";
+}
+
+/// A floor with a free block on it, beside which the hands' boxes come down.
+Scene WithABlock(std::size_t hands) {
+  Scene scene = Boxes(hands);
+  scene.hands_meet = hands > 1;
+  scene.gravity = Vec3(0.0, 0.0, -9.81);
+  Body block = MakeMeshBody("block", MakeBox(Vec3(0.02, 0.02, 0.01)), At(0.03, -0.09499));
+  block.moved = 1;
+  const double mass = 0.1, wide = mass / 12.0 * 5e-4, flat = mass / 12.0 * 8e-4;
+  scene.moved.push_back(
+      {.name = "block",
+       .free = FreeBody{mass, block.X_WB.p, Vec3(wide, wide, flat).asDiagonal(), {}}});
+  scene.objects.push_back(std::move(block));
+  return scene;
+}
+
+// A lone hand pushes it along; a hand that begins again finds it where it was placed; and the same
+// poses give the same bits.
+TEST(World, LetsAHandPushAFreeBody) {
+  Hands hands(WithABlock(1)), again(WithABlock(1));
+  for (int session = 0; session < 2; ++session) {
+    for (int i = 0; i < 1500; ++i) {
+      for (Hands* of : {&hands, &again}) {
+        if (i == 0) of->loop(0).Start(At(0.0, -0.094));
+      }
+      const Pose at = At(1.5e-5 * i, -0.094);
+      const wire::Wrench felt = hands.Send(0, at), same = again.Send(0, at);
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(felt.force_N[k], same.force_N[k]) << i;
+      if (i == 500) {
+        EXPECT_EQ(felt.force_N[0], 0.0) << "nothing is near";
+        EXPECT_NEAR(hands.Block().x(), 0.0, 1e-6);
+      }
+      if (i == 1499) {
+        EXPECT_NEAR(hands.Block().x(), 0.0225 - 0.01, 1e-3);
+      }
+    }
+    hands.Renew(0);
+    again.Renew(0);
+  }
+}
+
+// While both hands are there, half a millisecond passes with a pose of either.
+TEST(World, LetsFreeBodiesFallAsFastWithTwoHandsAsWithOne) {
+  for (const std::size_t count : {1u, 2u}) {
+    Scene scene = WithABlock(count);
+    scene.objects.back().X_WB.p.z() = -0.05;
+    scene.moved[0].free->centre.z() = -0.05;
+    Hands hands(std::move(scene));
+    for (std::size_t k = 0; k < count; ++k) hands.loop(k).Start(At(0.1 * (1.0 + k), 0.0));
+    for (int i = 0; i < 60; ++i) {
+      for (std::size_t k = 0; k < count; ++k) hands.Send(k, At(0.1 * (1.0 + k), 0.0));
+    }
+    const double fallen = hands.Block().z();
+    EXPECT_NEAR(fallen, -0.5 * 9.81 * 0.06 * 0.06, 6e-4) << count;
+  }
 }
 
 // To the last bit: a scene with two tools costs a lone hand nothing but room.

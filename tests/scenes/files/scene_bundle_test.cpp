@@ -45,6 +45,13 @@ Scene BuiltSmallScene() {
   jaw.axis = Vec3::UnitY();
   jaw.keys = {{}, {500, 0.25, {0.01, 0.02, 0.03}}};
   jaw.repeats = false;
+  FreeBody& free = scene.moved.emplace_back(MovedGroup{.name = "block"}).free.emplace();
+  free.mass = 0.05;
+  free.centre = {0.1, 0.2, 0.3};
+  free.inertia << 3e-6, 1e-7, 2e-7, 1e-7, 4e-6, 3e-7, 2e-7, 3e-7, 5e-6;
+  free.joint = {
+      BodyJoint::Kind::kSprings, {0.4, 0.5, 0.6}, Vec3::UnitX(), -0.5, 0.25, 1e4, 2.0, 0.3, 0.01};
+  scene.gravity = {0.0, -9.81, 0.0};
   return scene;
 }
 
@@ -92,6 +99,18 @@ TEST(SceneBundle, GivesBackTheScene) {
   EXPECT_EQ(back.features.contact, ContactModel::kSpheres);
   EXPECT_EQ(back.features.friction, FrictionModel::kCoulomb);
   EXPECT_TRUE(back.features.compliance);
+  EXPECT_EQ(back.gravity, scene.gravity);
+  ASSERT_EQ(back.moved.size(), 2u);
+  EXPECT_EQ(back.moved[0].keys[1].shift, scene.moved[0].keys[1].shift);
+  EXPECT_FALSE(back.moved[0].free);
+  const FreeBody &free = *scene.moved[1].free, &free_back = *back.moved[1].free;
+  EXPECT_EQ(free_back.mass, free.mass);
+  EXPECT_EQ(free_back.centre, free.centre);
+  EXPECT_EQ(free_back.inertia, free.inertia);
+  EXPECT_EQ(free_back.joint.kind, free.joint.kind);
+  EXPECT_EQ(free_back.joint.point, free.joint.point);
+  EXPECT_EQ(free_back.joint.high, free.joint.high);
+  EXPECT_EQ(free_back.joint.torsional_damping, free.joint.torsional_damping);
   ASSERT_EQ(back.tools.size(), 1u);
   ASSERT_EQ(back.objects.size(), 2u);
   EXPECT_EQ(back.objects[1].name, "other");
