@@ -21,6 +21,7 @@
 #include "common/files/whole_file.h"
 #include "common/json/json_file.h"
 #include "common/math/default_rounding.h"
+#include "common/math/rotation.h"
 #include "common/program/machine.h"
 #include "common/revision.h"
 #include "common/text/hex16.h"
@@ -141,7 +142,7 @@ void Tell(const LoadOptions& options, const std::string& what) {
 /// Throws Error if no triangle of the mesh lies in the edge, because then nothing would cut.
 void CheckEdge(const BurProfile& edge, const TriangleMesh& mesh, const std::string& where) {
   const Bur bur(edge.curve, edge.rounding);
-  const Quat to_T = Quat::FromTwoVectors(edge.edge->along, Vec3::UnitZ());
+  const Quat to_T = RotationBetween(edge.edge->along, Vec3::UnitZ());
   const auto is_in = [&](std::uint32_t vertex) {
     Vec3 gradient;
     return bur.Distance(to_T * (mesh.vertices[vertex] - edge.edge->at), gradient) <= 0.0;

@@ -12,12 +12,12 @@
 namespace palpate {
 namespace {
 
-constexpr int kSide = SparseField::kSide;
+constexpr int kBlockSide = SparseField::kSide;
 /// Points before and beyond a block that its triangles, and its neighbours' beside them, depend on.
 /// The farthest corners of the latter are those of the cubes of eight cells at -4 and at 8;
 /// gradients need one point more.
 constexpr int kBefore = 5, kBehind = 4;
-constexpr int kWide = kBefore + kSide + kBehind, kPoints = kWide * kWide * kWide;
+constexpr int kWide = kBefore + kBlockSide + kBehind, kPoints = kWide * kWide * kWide;
 /// Cubes of eight cells in a row: the first begins one point before the first.
 constexpr int kEights = (kWide + 1) / 2;
 /// The deviation of a gradient's squared norm from 1 at which it is doubted.  It is rounding only
@@ -154,7 +154,7 @@ struct Place {
     return Vec3(at[0] - p.at[0], at[1] - p.at[1], at[2] - p.at[2]);
   }
 };
-constexpr int kStride[3] = {1, kWide, kWide* kWide};
+constexpr int kPointStride[3] = {1, kWide, kWide* kWide};
 
 /// Contours two fields round a block; lengths in [h].
 class Contour {
@@ -166,7 +166,7 @@ class Contour {
         lattice_(fields.cut.lattice()),
         scale_(static_cast<float>(1.0 / lattice_.spacing)) {
     const std::array<int, 3> at = lattice_.BlockAt(block);
-    for (std::size_t k = 0; k < 3; ++k) first_[k] = kSide * at[k];
+    for (std::size_t k = 0; k < 3; ++k) first_[k] = kBlockSide * at[k];
   }
 
   /// Returns whether some points of the block, or the next after it, are solid and others free,
@@ -197,11 +197,12 @@ class Contour {
       solid_[n] = static_cast<std::uint8_t>((fields_[0][n] < 0.0f) & (fields_[1][n] < 0.0f));
     }
     // For cells that reach beyond the margin the result is wrong, but it is not used.
-    constexpr int kLast = kStride[0] + kStride[1] + kStride[2];
+    constexpr int kLast = kPointStride[0] + kPointStride[1] + kPointStride[2];
     for (int n = 0; n < kPoints - kLast; ++n) {
       int corners = 0;
       for (int c = 0; c < 8; ++c) {
-        corners |= solid_[n + (c & 1) + (c >> 1 & 1) * kStride[1] + (c >> 2) * kStride[2]] << c;
+        corners |= solid_[n + (c & 1) + (c >> 1 & 1) * kPointStride[1] + (c >> 2) * kPointStride[2]]
+                   << c;
       }
       corners_[n] = static_cast<std::uint8_t>(corners);
     }
@@ -212,9 +213,9 @@ class Contour {
 
   /// Takes the block's own triangles.
   void Take() {
-    for (int k = kBefore; k < kBefore + kSide; ++k) {
-      for (int j = kBefore; j < kBefore + kSide; ++j) {
-        for (int i = kBefore; i < kBefore + kSide; ++i) {
+    for (int k = kBefore; k < kBefore + kBlockSide; ++k) {
+      for (int j = kBefore; j < kBefore + kBlockSide; ++j) {
+        for (int i = kBefore; i < kBefore + kBlockSide; ++i) {
           const Place p{{i, j, k}};
           if (IsUniform(p)) continue;
           for (int d = 0; d < 3; ++d) {
@@ -227,7 +228,7 @@ class Contour {
 
   /// Takes those triangles of the blocks round it that share a vertex with them.
   void TakeRim() {
-    constexpr int first = kBefore - 2, last = kBefore + kSide;
+    constexpr int first = kBefore - 2, last = kBefore + kBlockSide;
     const auto own = static_cast<std::int16_t>(surface_.vertices.size());
     for (int k = first; k <= last; ++k) {
       for (int j = first; j <= last; ++j) {
@@ -248,7 +249,7 @@ class Contour {
   std::optional<std::size_t> BlockAt(const int b[3]) const {
     int at[3];
     for (int a = 0; a < 3; ++a) {
-      at[a] = first_[a] / kSide + b[a];
+      at[a] = first_[a] / kBlockSide + b[a];
       if (at[a] < 0 || at[a] >= lattice_.blocks[static_cast<std::size_t>(a)]) return std::nullopt;
     }
     return fields_of_.cut.BlockIndex(at[0], at[1], at[2]);
@@ -266,8 +267,9 @@ class Contour {
 
   /// Loads, of three blocks in a row along x, the part inside the margin.
   void LoadRows(int y, int z, bool of_cut) {
-    constexpr int kFirst[3] = {kSide - kBefore, 0, 0}, kCount[3] = {kBefore, kSide, kBehind};
-    constexpr int kAt[3] = {0, kBefore, kBefore + kSide};
+    constexpr int kFirst[3] = {kBlockSide - kBefore, 0, 0},
+                  kCount[3] = {kBefore, kBlockSide, kBehind};
+    constexpr int kAt[3] = {0, kBefore, kBefore + kBlockSide};
     const float* from[3];
     float all[3];
     for (int n = 0; n < 3; ++n) {
@@ -283,8 +285,8 @@ class Contour {
         float* const row = fields_[of_cut] + ((kAt[z + 1] + k) * kWide + kAt[y + 1] + j) * kWide;
         const int at = SparseField::PointIndex(0, kFirst[y + 1] + j, kFirst[z + 1] + k);
         Copy<kBefore>(from[0], at, all[0], row);
-        Copy<kSide>(from[1], at, all[1], row + kBefore);
-        Copy<kBehind>(from[2], at, all[2], row + kBefore + kSide);
+        Copy<kBlockSide>(from[1], at, all[1], row + kBefore);
+        Copy<kBehind>(from[2], at, all[2], row + kBefore + kBlockSide);
       }
     }
   }
@@ -312,7 +314,7 @@ class Contour {
   /// field that crosses there: by interpolation, the first to do so from the solid end.
   double Cross(const Place& lower, int d, int& field) const {
     const bool up = solid_[lower.index()] != 0;
-    const int upper = lower.index() + kStride[d];
+    const int upper = lower.index() + kPointStride[d];
     const int solid = up ? lower.index() : upper, free = up ? upper : lower.index();
     double t = 2.0;
     for (int f = 0; f < 2; ++f) {
@@ -346,8 +348,8 @@ class Contour {
   /// edge; near a concave edge it is the other way round.
   Face FaceAt(int field, int at) const {
     const double here = At(field, at);
-    const auto back_along = [&](int a) { return here - At(field, at - kStride[a]); };
-    const auto ahead_along = [&](int a) { return At(field, at + kStride[a]) - here; };
+    const auto back_along = [&](int a) { return here - At(field, at - kPointStride[a]); };
+    const auto ahead_along = [&](int a) { return At(field, at + kPointStride[a]) - here; };
     // Constructed at once: the processor stalls if numbers stored one by one are loaded in pairs.
     const Vec3 back(back_along(0), back_along(1), back_along(2));
     const Vec3 ahead(ahead_along(0), ahead_along(1), ahead_along(2));
@@ -374,7 +376,7 @@ class Contour {
     int field = 0;
     edge.t = Cross(lower, d, field);
     Face& one = edge.face[0] = FaceAt(field, lower.index());
-    Face& other = edge.face[1] = FaceAt(field, lower.index() + kStride[d]);
+    Face& other = edge.face[1] = FaceAt(field, lower.index() + kPointStride[d]);
     const double together = one.normal.dot(other.normal);
     edge.is_one =
         together > 0.0 && together * together >=
@@ -392,7 +394,7 @@ class Contour {
   std::uint64_t NumberOf(const Place& p, int which) const {
     std::uint64_t number = 0;
     for (int a = 2; a >= 0; --a) {
-      const auto points = static_cast<std::uint64_t>(kSide) *
+      const auto points = static_cast<std::uint64_t>(kBlockSide) *
                           static_cast<std::uint64_t>(lattice_.blocks[static_cast<std::size_t>(a)]);
       number = number * points + static_cast<std::uint64_t>(first_[a] + p.at[a] - kBefore);
     }
@@ -562,7 +564,7 @@ class Contour {
   std::uint32_t PointsOfEight(const Place& first) const {
     std::uint32_t solid = 0;
     for (int n = 0; n < 27; ++n) {
-      const int at = first.index() + n % 3 + n / 3 % 3 * kStride[1] + n / 9 * kStride[2];
+      const int at = first.index() + n % 3 + n / 3 % 3 * kPointStride[1] + n / 9 * kPointStride[2];
       solid |= std::uint32_t{solid_[at]} << n;
     }
     return solid;
@@ -598,7 +600,7 @@ class Contour {
 
   bool IsUniform(const Place& p) const { return CornersOf(p) == 0 || CornersOf(p) == 255; }
   bool Crosses(const Place& p, int d) const {
-    return solid_[p.index()] != solid_[p.index() + kStride[d]];
+    return solid_[p.index()] != solid_[p.index() + kPointStride[d]];
   }
 
   /// Returns whether one of the four cells round an edge has a vertex with a lower number.
@@ -645,7 +647,7 @@ class Contour {
       // The face between this cell and the next continues along v, -u, -v, u.
       const int axis = n % 2 == 0 ? v : u, by = n == 0 || n == 3 ? 1 : -1;
       const Place other = p.Moved(axis, by);
-      const int lower = other.index(), upper = lower + kStride[d];
+      const int lower = other.index(), upper = lower + kPointStride[d];
       shared[n] = false;
       if ((solid_[lower] != 0) == up || (solid_[upper] != 0) != up) continue;  // not crossed twice
       const int flip = axis == u ? 1 : 2;

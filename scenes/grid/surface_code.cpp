@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-constexpr double kSteps = 21.0;  // per spacing
-constexpr double kBefore = 2.0;  // in spacings
+constexpr double kSteps = 21.0;       // per spacing
+constexpr double kStepsBefore = 2.0;  // in spacings
 constexpr std::size_t kNarrow = 256;
 
 /// Joins two triangles to a quad.  Returns false if they are not one: they must share their first
@@ -52,7 +52,7 @@ void EncodeSurface(const SolidSurface& surface, const Vec3& begin, double spacin
   for (const std::size_t count : {vertices, quads.size(), triangles.size()}) Put(count, code);
   if (vertices == 0) return;
   for (const Vec3& vertex : surface.vertices) {
-    const Vec3 steps = kSteps * ((vertex - begin) / spacing + Vec3::Constant(kBefore));
+    const Vec3 steps = kSteps * ((vertex - begin) / spacing + Vec3::Constant(kStepsBefore));
     for (int k = 0; k < 3; ++k) {
       code.push_back(static_cast<std::uint8_t>(std::clamp(std::round(steps[k]), 0.0, 255.0)));
     }

@@ -23,7 +23,7 @@ constexpr double kWorthSaying = 1e-4;
 constexpr std::size_t kMostTriangles = 20000;  // examined at most, evenly spread over the mesh
 
 // Number of triangles to examine for whether a single solid piece passes through itself.
-constexpr std::size_t kProbes = 128;
+constexpr std::size_t kHiddenProbes = 128;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ HiddenSurface::HiddenSurface(const TriangleMesh& mesh)
   const MeshReport report = InspectMesh(mesh);
   closed_ = report.closed();
   if (!report.solid() || report.components > 1) return;
-  const std::size_t count = mesh.triangles.size(), probes = std::min(kProbes, count);
+  const std::size_t count = mesh.triangles.size(), probes = std::min(kHiddenProbes, count);
   bool folds = false;
   for (std::size_t i = 0; !folds && i < probes; ++i) {
     const auto t = static_cast<std::uint32_t>(i * count / probes);

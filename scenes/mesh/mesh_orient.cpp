@@ -18,20 +18,20 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoNeighbour = 0xffffffffu;
 
 struct Neighbour {
-  std::uint32_t triangle = kNone;
+  std::uint32_t triangle = kNoNeighbour;
   bool agrees = true;  ///< whether it runs along the shared edge the other way, as it should
 };
 
-/// Each triangle's neighbours across edges of exactly two triangles; kNone after the last.
+/// Each triangle's neighbours across edges of exactly two triangles; kNoNeighbour after the last.
 using Neighbours = std::array<Neighbour, 3>;
 
 std::vector<Neighbours> FindNeighbours(const TriangleMesh& mesh) {
   std::vector<Neighbours> neighbours(mesh.triangles.size());
   const auto add = [&](const Side& of, const Side& other) {
-    *std::ranges::find(neighbours[of.triangle], kNone, &Neighbour::triangle) = {
+    *std::ranges::find(neighbours[of.triangle], kNoNeighbour, &Neighbour::triangle) = {
         other.triangle, of.forward != other.forward};
   };
   EdgeSides(mesh).ForEachEdge([&](std::span<const Side> sides) {
@@ -168,7 +168,7 @@ std::size_t OrientTriangles(TriangleMesh& mesh) {
       patch_of[t] = patches;
       area[turned[t]] += TriangleOf(mesh, t).Across().norm();
       for (const Neighbour& n : neighbours[t]) {
-        if (n.triangle == kNone) break;
+        if (n.triangle == kNoNeighbour) break;
         if (seen[n.triangle]) continue;
         seen[n.triangle] = true;
         turned[n.triangle] = turned[t] == n.agrees;

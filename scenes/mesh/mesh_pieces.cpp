@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::uint32_t kNoPiece = 0xffffffffu;
 
 /// Returns whether numbers, which count from 0, name at most one thing.
 bool IsOne(const std::vector<std::uint32_t>& numbers) {
@@ -23,11 +23,11 @@ std::vector<std::uint32_t> PatchesBy(const EdgeSides& edges, std::size_t triangl
   edges.ForEachEdge([&](std::span<const Side> sides) {
     if (sides.size() == 2) patches.Join(sides[0].triangle, sides[1].triangle);
   });
-  std::vector<std::uint32_t> number(triangles, kNone), of(triangles);
+  std::vector<std::uint32_t> number(triangles, kNoPiece), of(triangles);
   std::uint32_t count = 0;
   for (std::uint32_t t = 0; t < of.size(); ++t) {
     std::uint32_t& patch = number[patches.Find(t)];
-    if (patch == kNone) patch = count++;
+    if (patch == kNoPiece) patch = count++;
     of[t] = patch;
   }
   return of;
@@ -62,14 +62,14 @@ std::vector<std::uint32_t> PieceNumbers(const TriangleMesh& mesh) {
     vertices.Join(i, j);
     vertices.Join(j, k);
   }
-  std::vector<std::uint32_t> of_patch(mesh.triangles.size(), kNone);
-  std::vector<std::uint32_t> of_vertex(mesh.vertices.size(), kNone);
+  std::vector<std::uint32_t> of_patch(mesh.triangles.size(), kNoPiece);
+  std::vector<std::uint32_t> of_vertex(mesh.vertices.size(), kNoPiece);
   std::vector<std::uint32_t> number;
   std::uint32_t pieces = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::uint32_t& piece =
         closed[patch[t]] ? of_patch[patch[t]] : of_vertex[vertices.Find(mesh.triangles[t][0])];
-    if (piece == kNone) piece = pieces++;
+    if (piece == kNoPiece) piece = pieces++;
     number.push_back(piece);
   }
   return number;
@@ -98,7 +98,7 @@ std::vector<MeshPiece> PiecesBy(const TriangleMesh& mesh,
     pieces[number[t]].triangle.push_back(t);
   }
   // Holds the vertex numbers of one piece at a time.
-  std::vector<std::uint32_t> piece_of(mesh.vertices.size(), kNone);
+  std::vector<std::uint32_t> piece_of(mesh.vertices.size(), kNoPiece);
   std::vector<std::uint32_t> renamed(mesh.vertices.size());
   for (std::uint32_t n = 0; n < pieces.size(); ++n) {
     MeshPiece& piece = pieces[n];

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr double kShorter = 2.0 / 3.0;
-constexpr double kOfMedianEdge = 10.0;
+constexpr double kOfMedianNeighbour = 10.0;
 
 /// Returns the longest side of the box of all used vertices but one.
 double LongestWithout(const TriangleMesh& mesh, const std::vector<bool>& used, std::uint32_t v) {
@@ -62,7 +62,7 @@ std::optional<Spike> FindSpike(const TriangleMesh& mesh) {
   }
   std::optional<Spike> spike;
   for (const std::uint32_t v : on_sides) {
-    if (!(shortest[v] > kOfMedianEdge * *median)) continue;
+    if (!(shortest[v] > kOfMedianNeighbour * *median)) continue;
     const double without = LongestWithout(mesh, used, v);
     if (!(without < kShorter * box.sizes().maxCoeff())) continue;
     if (spike && spike->without <= without) continue;

@@ -16,7 +16,7 @@ namespace {
 constexpr int kSides = 32;
 /// Directions in a quarter of the outline: with 16, a ball of 1.4 mm is accurate to 1 um.
 constexpr int kQuarter = 16;
-constexpr double kShank = 0.8e-3, kHandle = 4e-3;  ///< radii [m]; a shank after ISO 1797
+constexpr double kShank = 0.8e-3, kHandleRadius = 4e-3;  ///< radii [m]; a shank after ISO 1797
 
 /// Returns the point of the outline, the thickened curve, that is farthest in the direction (cos a,
 /// sin a): (rho, y).
@@ -195,9 +195,9 @@ TriangleMesh MakeBur(const BurProfile& bur, double handle) {
   add(top + 2e-3, shank);
   add(top + 6e-3, kShank);
   add(top + 14e-3, kShank);
-  add(top + 16e-3, 0.6 * kHandle);
-  add(top + 20e-3, kHandle);
-  add(std::max(handle, top + 22e-3), kHandle);
+  add(top + 16e-3, 0.6 * kHandleRadius);
+  add(top + 20e-3, kHandleRadius);
+  add(std::max(handle, top + 22e-3), kHandleRadius);
   return MakeTurned(curve, kSides);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "common/math/elementary.h"
 #include "scenes/mesh/mesh_simplify.h"
@@ -16,7 +17,6 @@ namespace {
 
 // All below is in millimetres, as usual in dentistry, and scaled at the end.
 constexpr double kMillimetre = 1e-3;
-constexpr double kPi = 3.14159265358979323846;
 
 TriangleMesh InMetres(TriangleMesh mesh) {
   for (Vec3& v : mesh.vertices) v *= kMillimetre;
@@ -38,7 +38,7 @@ struct Outline {
   double At(double s) const {
     constexpr double kBulge = 0.45;
     if (s < kBulge) {
-      return neck + (bulge - neck) * Sin(0.5 * kPi * std::clamp(s / kBulge, 0.0, 1.0));
+      return neck + (bulge - neck) * Sin(0.5 * std::numbers::pi * std::clamp(s / kBulge, 0.0, 1.0));
     }
     const double t = (s - kBulge) / (1.0 - kBulge);
     return std::max(bulge + (top - bulge) * t * t, 0.5 * top);
@@ -220,7 +220,7 @@ double DepthTowards(const Vec3& p, const ToothSize& size, const std::array<doubl
   // Clockwise seen from above if mesial is +x, from the middle outside on: the corners of a crown
   // are at 60 degrees of an ellipse.
   const double angle = Atan2(mesial * p.x() / size.width, p.z() / size.depth);
-  const double at = std::fmod(angle / (kPi / 3.0) + 6.0, 6.0);
+  const double at = std::fmod(angle / (std::numbers::pi / 3.0) + 6.0, 6.0);
   constexpr std::array<std::size_t, 6> kRound = {1, 0, 3, 4, 5, 2};
   const auto before = static_cast<std::size_t>(at) % 6;
   const double t = at - std::floor(at);
@@ -332,7 +332,7 @@ std::vector<Vec3> GingivalMargin(ToothKind kind, const ToothSize& size, const Gu
   std::vector<Vec3> margin;
   for (int i = 0; i < kPoints; ++i) {
     // From +z towards +x: counter-clockwise seen from +y.
-    const double angle = 2.0 * kPi * i / kPoints;
+    const double angle = 2.0 * std::numbers::pi * i / kPoints;
     const Vec3 outwards(Sin(angle), 0.0, Cos(angle));
     // Find the edge of the hole at a height, from inside.
     const auto edge_at = [&](double y) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "common/math/elementary.h"
@@ -13,7 +14,6 @@ namespace palpate {
 namespace {
 
 // All below is in millimetres, as usual in dentistry, and scaled at the end.
-constexpr double kPi = 3.14159265358979323846;
 
 TriangleMesh SoftMesh(const Field& field, const Eigen::AlignedBox3d& box, double cell,
                       double tolerance) {
@@ -91,7 +91,7 @@ Field GumField(bool upper) {
 Field RidgeField(const ArchAxes& arch, double bottom) {
   std::vector<Vec3> curve;
   for (int i = 0; i <= 64; ++i) {
-    const double a = kPi * i / 64;
+    const double a = std::numbers::pi * i / 64;
     curve.emplace_back(arch.half_width * Cos(a), 0.0, arch.length * Sin(a));
   }
   const Field distance = RopeField(curve, 0.0);
@@ -160,9 +160,9 @@ TriangleMesh MakeFace(double mouth_width, double mouth_height) {
   // The lips: a roll round the mouth, fuller below, with a bow above.
   std::vector<Vec3> rim;
   for (int i = 0; i <= 96; ++i) {
-    const double a = 2.0 * kPi * i / 96;
+    const double a = 2.0 * std::numbers::pi * i / 96;
     const double x = (half_width + 5.0) * Cos(a);
-    const double bow = a < kPi ? 1.6 * Exp(-x * x / 14.0) : 0.0;
+    const double bow = a < std::numbers::pi ? 1.6 * Exp(-x * x / 14.0) : 0.0;
     rim.emplace_back(x, (half_height + 5.0) * Sin(a) - bow, 11.0 - 0.011 * x * x);
   }
   constexpr double kLips = 5.2;

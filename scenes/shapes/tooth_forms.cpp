@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "common/math/elementary.h"
 #include "scenes/mesh/mesh_simplify.h"
@@ -10,7 +11,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kPlaces = 7;
 
 /// A dimension of the crown at five heights from the neck to the top, interpolated smoothly.
@@ -273,7 +273,7 @@ std::vector<PlacedTooth> TeethOf(bool upper) {
   constexpr int kSteps = 20000;
   std::vector<double> length{0.0};
   const auto point = [&](int i) {
-    const double a = 0.5 * kPi * i / kSteps;
+    const double a = 0.5 * std::numbers::pi * i / kSteps;
     return Eigen::Vector2d(arch.half_width * Sin(a), arch.length * Cos(a));
   };
   for (int i = 1; i <= kSteps; ++i)

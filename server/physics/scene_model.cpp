@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/math/default_rounding.h"
 #include "common/math/pose_check.h"
+#include "common/math/rotation.h"
 #include "server/physics/limits.h"
 #include "server/physics/step_state.h"
 
@@ -33,7 +34,7 @@ Cutting CuttingOf(const BurProfile& profile) {
   const Quat z_to_y(kHalf, -kHalf, 0.0, 0.0);
   Cutting cutting{Bur(profile.curve, profile.rounding), {Vec3(0.0, profile.rounding, 0.0), z_to_y}};
   if (const auto& edge = profile.edge) {
-    cutting.X_TB = {edge->at, Quat::FromTwoVectors(Vec3::UnitZ(), edge->along)};
+    cutting.X_TB = {edge->at, RotationBetween(Vec3::UnitZ(), edge->along)};
     cutting.sense = edge->sense;
   }
   cutting.spin = profile.spin;

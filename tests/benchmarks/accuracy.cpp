@@ -18,7 +18,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct AccuracyOptions {
   SlidingExperiment experiment;
   double tolerance_um = 1e6 * SlidingExperiment{}.tolerance;
   std::string mode;  ///< empty: the mode that suits the contact
@@ -71,7 +71,7 @@ Json ToJson(const SlidingForce& m) {
   return json;
 }
 
-void Run(Options options) {
+void Run(AccuracyOptions options) {
   options.experiment.features = options.features.features();
   options.experiment.tolerance = 1e-6 * options.tolerance_um;
   if (options.mode.empty()) options.mode = NameOf(ModeFor(options.experiment.features.contact));
@@ -125,7 +125,7 @@ void Run(Options options) {
 }  // namespace
 
 void AddAccuracy(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AccuracyOptions>();
   SlidingExperiment& experiment = options->experiment;
   const CommandLine command = app.AddCommand(
       "accuracy",

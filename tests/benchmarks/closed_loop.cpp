@@ -13,7 +13,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct ClosedLoopOptions {
   std::string device = "simulated", scene = "wall", local_model = "on", passivity = "on";
   ClosedLoopCase loop;
   std::string json, out;
@@ -118,7 +118,7 @@ std::string TableOf(const std::vector<Curve>& curves, double stiffness_N_per_m) 
 }
 
 /// Writes the results so far, so that an interrupted run keeps its measurements.
-void WriteReport(const Options& options, const std::vector<Curve>& curves) {
+void WriteReport(const ClosedLoopOptions& options, const std::vector<Curve>& curves) {
   const std::filesystem::path folder = options.out;
   const bool all = curves.size() == kCurves;
 
@@ -142,7 +142,7 @@ void WriteReport(const Options& options, const std::vector<Curve>& curves) {
           TableOf(curves, options.loop.stiffness_N_per_m)));
 }
 
-void Run(Options options) {
+void Run(ClosedLoopOptions options) {
   if (options.device != "simulated") options.loop.arm = options.device;
   options.loop.local_model = options.local_model == "on";
   options.loop.passivity = options.passivity == "on";
@@ -199,7 +199,7 @@ void Run(Options options) {
 }  // namespace
 
 void AddClosedLoop(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ClosedLoopOptions>();
   ClosedLoopCase& loop = options->loop;
   const CommandLine command = app.AddCommand(
       "closed-loop",

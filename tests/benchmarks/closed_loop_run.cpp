@@ -15,6 +15,7 @@
 #include "server/physics/scene_model.h"
 #include "server/physics/start_pose.h"
 #include "server/session/servo_loop.h"
+#include "tests/benchmarks/stability_case.h"
 #include "tests/support/past_the_limiter.h"
 #include "tests/support/simulated_link.h"
 #include "tests/support/uncontrolled_limiter.h"
@@ -24,8 +25,6 @@ namespace {
 
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr double kTick_s = 1e-3;
-constexpr double kMillimetre = 1e-3;
-
 /// The arm under test, with or without the limiter's energy stage.  Without it, the wrench that the
 /// station requests goes through the same chain except for that stage, and the output of the
 /// station's own limiter is ignored.

@@ -11,7 +11,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct CycleCommand {
   std::string scene = "bunny-bunny";
   std::string poses;
   std::optional<int> steps;
@@ -21,7 +21,7 @@ struct Options {
   std::string json;
 };
 
-void Run(Options& options) {
+void Run(CycleCommand& options) {
   std::vector<Pose> poses =
       options.poses.empty() ? ScriptPoses(options.scene, options.steps) : ReadPoses(options.poses);
   if (options.steps && !options.poses.empty() &&
@@ -39,7 +39,7 @@ void Run(Options& options) {
 }  // namespace
 
 void AddCycle(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CycleCommand>();
   const CommandLine command = app.AddCommand(
       "cycle",
       "time and errors of a haptic step over the path of a scene\n"

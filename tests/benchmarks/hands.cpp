@@ -19,7 +19,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct HandsOptions {
   std::string scene = "bunny-bunny";
   std::string seeds;
   test::HandOptions hand;
@@ -31,7 +31,7 @@ struct Options {
 };
 
 /// Prints one line per seed, the worst first.
-void RunSeeds(const Options& options, const Scene& scene) {
+void RunSeeds(const HandsOptions& options, const Scene& scene) {
   struct Seed {
     std::uint64_t seed;
     test::ContactFigures figures;
@@ -95,7 +95,7 @@ void RunSeeds(const Options& options, const Scene& scene) {
   }
 }
 
-void Run(Options& options) {
+void Run(HandsOptions& options) {
   Scene scene = LoadForBench(options.scene, options.models, options.features.contact_model());
   options.features.ApplyTo(scene);
   if (!options.seeds.empty()) {
@@ -118,7 +118,7 @@ void Run(Options& options) {
 }  // namespace
 
 void AddHands(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HandsOptions>();
   const CommandLine command = app.AddCommand(
       "hands",
       "the figures of cycle for hand paths generated from a seed\n"

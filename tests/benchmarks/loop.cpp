@@ -39,7 +39,7 @@ constexpr milliseconds kSettle{100};  // early samples leak chunks (common/dds/R
 /// The same for both paths, whose topics differ by the run.
 constexpr const char* kStation = "bench";
 
-struct Options {
+struct LoopOptions {
   std::string transport = "shm";
   double seconds = 20.0;
   std::string scene = "cube";
@@ -246,7 +246,7 @@ std::unique_ptr<RouDi> RouDiWhereNoneRuns(const std::string& transport) {
   return std::make_unique<RouDi>();
 }
 
-void Run(const Options& options) {
+void Run(const LoopOptions& options) {
   const std::unique_ptr<RouDi> roudi = RouDiWhereNoneRuns(options.transport);
   const std::string bin = test::OwnFolder();
   const std::string domain = std::to_string(options.domain);
@@ -384,7 +384,7 @@ void Echo(const EchoOptions& options) {
 }  // namespace
 
 void AddLoop(const CommandLine& app, const int& domain) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LoopOptions>();
   const CommandLine command = app.AddCommand(
       "loop",
       "round trip from pose to wrench through palpate-server\n"

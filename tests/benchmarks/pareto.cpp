@@ -23,7 +23,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct ParetoOptions {
   std::string out;
   bool quick = false, only_peers = false;
   std::vector<std::string> peers;  // none named: all
@@ -66,7 +66,7 @@ void OrReason(std::string& not_available, Work measure) {
 
 class Pareto {
  public:
-  explicit Pareto(const Options& options) : options_(options) {
+  explicit Pareto(const ParetoOptions& options) : options_(options) {
     const auto list = [](const char* option, const std::vector<std::string>& names) {
       return names.empty() ? "" : fmt::format(" {} {}", option, fmt::join(names, ","));
     };
@@ -368,7 +368,7 @@ class Pareto {
     std::unique_ptr<OverlapOracle> oracle;
   };
 
-  const Options& options_;
+  const ParetoOptions& options_;
   StopSignal stop_;
   std::vector<std::string> scenes_;
   std::vector<PeerKind> peers_;  ///< asked for and installed
@@ -377,7 +377,7 @@ class Pareto {
   std::unique_ptr<Loaded> loaded_;
 };
 
-void AddPeerOptions(const CommandLine& command, Options& options) {
+void AddPeerOptions(const CommandLine& command, ParetoOptions& options) {
   Add(command, "--out", options.out, "folder for the results, created if it does not exist")
       .Required();
   Add(command, "--peers", options.peers,
@@ -391,7 +391,7 @@ void AddPeerOptions(const CommandLine& command, Options& options) {
 }  // namespace
 
 void AddPeers(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ParetoOptions>();
   options->only_peers = true;
   const CommandLine command = app.AddCommand(
       "peers",
@@ -407,7 +407,7 @@ void AddPeers(const CommandLine& app) {
 }
 
 void AddPareto(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ParetoOptions>();
   const CommandLine command =
       app.AddCommand("pareto",
                      "speed against error of all scenes, contact and friction models, and peers\n"

@@ -22,7 +22,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct QpOptions {
   std::string dump, load, scene, models, json;
   std::optional<int> steps;
   int repeats = 20;
@@ -99,7 +99,7 @@ std::vector<Problem> ReadProblems(const std::string& file) {
 
 /// The problem of each step of a scene's path, with the rows of the widest bounds, and the rows
 /// that were active in the previous step.
-std::vector<Problem> ProblemsOf(const Options& options) {
+std::vector<Problem> ProblemsOf(const QpOptions& options) {
   Scene scene = LoadForBench(options.scene, options.models, ContactModel::kSpheres);
   scene.features = {.contact = ContactModel::kSpheres};
   SceneRun run(std::move(scene), ScriptPoses(options.scene, options.steps));
@@ -143,9 +143,9 @@ std::vector<Problem> ProblemsOf(const Options& options) {
 
 /// A problem stored by columns.  All problems use the same storage, so that rows have just been
 /// written when the solver begins, as in a step.
-class Columns {
+class RowColumns {
  public:
-  explicit Columns(int max_rows)
+  explicit RowColumns(int max_rows)
       : stride_(static_cast<std::size_t>((max_rows + 15) & ~15) + 8),  // as ContactRows
         storage_(7 * stride_ + 8) {
     const auto address = reinterpret_cast<std::uintptr_t>(storage_.data());
@@ -203,7 +203,7 @@ double KktResidual(const Problem& problem, const QpResult& result) {
   return worst;
 }
 
-void Measure(const Options& options, std::vector<Problem>& problems, bool warm_from_step) {
+void Measure(const QpOptions& options, std::vector<Problem>& problems, bool warm_from_step) {
   std::erase_if(problems, [&](const Problem& problem) {
     return problem.rows() < options.min_rows || problem.rows() > options.max_rows;
   });
@@ -213,7 +213,7 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
   }
   int most_rows = 0;
   for (const Problem& problem : problems) most_rows = std::max(most_rows, problem.rows());
-  Columns columns(most_rows);
+  RowColumns columns(most_rows);
   std::vector<double> row_counts, iterations;
   double residual = 0.0;
   int unsolved = 0, relaxed = 0;
@@ -277,7 +277,7 @@ void Measure(const Options& options, std::vector<Problem>& problems, bool warm_f
   }
 }
 
-void Run(const Options& options) {
+void Run(const QpOptions& options) {
   if (!options.load.empty()) {
     if (!options.dump.empty() || !options.scene.empty()) {
       throw UsageError("qp: --load excludes --scene and --dump; use --dump with --scene");
@@ -299,7 +299,7 @@ void Run(const Options& options) {
 }  // namespace
 
 void AddQp(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<QpOptions>();
   const CommandLine command =
       app.AddCommand("qp",
                      "time and optimality of the QP solver alone\n"

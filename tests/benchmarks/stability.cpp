@@ -16,7 +16,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct StabilityOptions {
   std::string only, json;
   long steps = 200'000;
   bool list = false;
@@ -37,7 +37,7 @@ Json ToJson(const StabilityCase& c, const CaseRun& run) {
           {"penetration_um", 1e6 * run.penetration}};
 }
 
-std::vector<StabilityCase> Chosen(const Options& options) {
+std::vector<StabilityCase> Chosen(const StabilityOptions& options) {
   std::vector<StabilityCase> cases = StabilityCases();
   std::string names;
   for (const StabilityCase& c : cases) names += "\n  " + c.name;
@@ -58,7 +58,7 @@ std::vector<StabilityCase> Chosen(const Options& options) {
   return cases;
 }
 
-void Run(const Options& options) {
+void Run(const StabilityOptions& options) {
   const std::vector<StabilityCase> cases = Chosen(options);
   if (options.list) {
     for (const StabilityCase& c : cases) {
@@ -135,7 +135,7 @@ void Run(const Options& options) {
 }  // namespace
 
 void AddStability(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StabilityOptions>();
   const CommandLine command = app.AddCommand(
       "stability",
       "hard cases, each with a physical bound\n"

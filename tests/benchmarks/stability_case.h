@@ -15,6 +15,8 @@ namespace palpate::bench {
 /// notice it: ten times the encoder step of the finest devices, a thousandth of a fine tool.
 inline constexpr double kAllowedOverlap = 10e-6;  ///< [m]
 
+inline constexpr double kMillimetre = 1e-3;  ///< [m]
+
 /// The input and the results of a case.
 struct CaseRun {
   long steps = 0;  ///< approximate number of steps to make

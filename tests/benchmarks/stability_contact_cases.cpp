@@ -15,8 +15,6 @@ namespace {
 
 using test::Random;
 
-constexpr double kMillimetre = 1e-3;
-
 /// The figure of most cases: the overlap that Trial watches, in um.
 void FigureIsOverlap(CaseRun& run) {
   run.figure = 1e6 * run.penetration;

@@ -20,11 +20,10 @@ namespace {
 
 using test::Random;
 
-constexpr double kMillimetre = 1e-3;
-constexpr std::int64_t kTick_ns = 1'000'000;
+constexpr std::int64_t kServoTick_ns = 1'000'000;
 
 /// A plate whose top face is y = 0.
-Solid Floor() {
+Solid CoarseFloor() {
   return Box({60 * kMillimetre, 10 * kMillimetre, 60 * kMillimetre}, 2048,
              {Vec3(0, -5 * kMillimetre, 0), Quat::Identity()});
 }
@@ -32,7 +31,7 @@ Solid Floor() {
 wire::HapticPose Sample(std::uint64_t sequence, const Pose& X_WH) {
   wire::HapticPose pose{};
   pose.pose_sequence = sequence;
-  pose.sample_time_ns = kTick_ns * static_cast<std::int64_t>(sequence);
+  pose.sample_time_ns = kServoTick_ns * static_cast<std::int64_t>(sequence);
   wire::FromPose(X_WH, pose.position_m, pose.orientation_wxyz);
   return pose;
 }
@@ -43,7 +42,7 @@ wire::HapticPose Sample(std::uint64_t sequence, const Pose& X_WH) {
 /// hand: the figure is its change relative to what these rules allow.
 void BadLink(CaseRun& run) {
   constexpr double kStiffness = 1000.0, kNaN = std::numeric_limits<double>::quiet_NaN();
-  Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()});
+  Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {CoarseFloor()});
   ServoLoop loop(trial.model());
   loop.Start({Vec3(0, 4 * kMillimetre, 0), Quat::Identity()});
   Random random(70);
@@ -122,7 +121,7 @@ double StiffnessFor(double delay_s) {
 /// hand comes down on a plate, presses with about 1 N and tries to hold still.  The figure is its
 /// motion in the second half.
 void ClosedLoop(CaseRun& run, int delay_ms) {
-  Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {Floor()},
+  Trial trial(run, Box({12 * kMillimetre, 6 * kMillimetre, 9 * kMillimetre}, 256), {CoarseFloor()},
               StiffnessFor(1e-3 * delay_ms));
   constexpr double kRound_s = 6.0;
   const Pose above{Vec3(0, 15 * kMillimetre, 0), Quat::Identity()};

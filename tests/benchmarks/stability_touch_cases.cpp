@@ -11,7 +11,7 @@ namespace {
 
 using test::Random;
 
-constexpr double kMillimetre = 1e-3, kStiffness = 1000.0;
+constexpr double kStiffness = 1000.0;
 
 bool Surface(const Features& features) {
   return features.contact == ContactModel::kSurface;

@@ -23,7 +23,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct TreeOptions {
   std::string mesh, json, out;
   std::vector<std::string> modes{std::string(kTreeModes[0])};
   std::size_t leaves = 0;
@@ -41,7 +41,7 @@ SphereTree Build(const TriangleMesh& mesh, std::size_t leaves, TreeMode mode,
 }
 
 /// Loads it in metres and its file's frame, so that the output of --out can be overlaid on it.
-TriangleMesh LoadMesh(const Options& options) {
+TriangleMesh LoadMesh(const TreeOptions& options) {
   TriangleMesh mesh = ImportMesh(options.mesh);
   const MeshReport report = InspectMesh(mesh);
   if (!report.refusal.empty()) throw Error(options.mesh + ": " + report.refusal);
@@ -64,7 +64,7 @@ std::string LeavesAsText(const SphereTree& tree) {
   return text;
 }
 
-void Run(const Options& options) {
+void Run(const TreeOptions& options) {
   for (const auto& [option, file] :
        {std::pair("--json", options.json), std::pair("--out", options.out)}) {
     if (!file.empty()) CheckOutput(option, file);
@@ -102,7 +102,7 @@ void Run(const Options& options) {
 }  // namespace
 
 void AddTree(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TreeOptions>();
   const CommandLine command =
       app.AddCommand("tree", "distance of sphere trees from their mesh, for every level and mode");
   command.Footer("Example: palpate-bench tree --mesh tooth.stl --unit mm --spheres 512 --json -");

@@ -23,7 +23,7 @@
 namespace palpate::bench {
 namespace {
 
-struct Options {
+struct TruthOptions {
   std::string seeds = "1..1", only, json, scene_out, poses_out;
   bool list = false, million = false;
 };
@@ -35,7 +35,7 @@ std::array<std::string, 3> Words(const std::string& name) {
           name.substr(second + 1)};
 }
 
-std::vector<TruthCase> Chosen(const Options& options) {
+std::vector<TruthCase> Chosen(const TruthOptions& options) {
   std::vector<TruthCase> cases = FlatTruths();
   for (auto& more : {FoldTruths(), CurvedTruths(options.million)}) {
     cases.insert(cases.end(), more.begin(), more.end());
@@ -112,14 +112,14 @@ void Drive(const TruthHand& hand) {
 }
 
 /// Writes one hand for other commands.
-void Write(const Options& options, const TruthHand& hand) {
+void Write(const TruthOptions& options, const TruthHand& hand) {
   if (!options.scene_out.empty()) WriteFileAtomically(options.scene_out, PackScene(hand.scene));
   if (!options.poses_out.empty()) {
     WriteOutput("--poses-out", options.poses_out, PosesCsv(hand.X_WH));
   }
 }
 
-void Run(const Options& options) {
+void Run(const TruthOptions& options) {
   const std::vector<TruthCase> cases = Chosen(options);
   if (options.list) {
     for (const TruthCase& c : cases) fmt::print("{}\n", c.name);
@@ -167,7 +167,7 @@ void Run(const Options& options) {
 }  // namespace
 
 void AddTruth(const CommandLine& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TruthOptions>();
   const CommandLine command = app.AddCommand(
       "truth",
       "bodies whose right answer is known, under hands from a seed\n"

@@ -167,6 +167,16 @@ TEST(Repository, LeavesNothingForLaterAndNamesNoPlaceOfItsMakers) {
   }
 }
 
+// Eigen's has a singular value decomposition: eight to twenty seconds of compile time for each
+// source.
+TEST(Repository, TurnsOneVectorIntoAnotherByRotationBetween) {
+  const std::string eigens = std::string("::FromTwo") + "Vectors(";
+  for (const std::string& file : SourceFiles(kRoot)) {
+    if (!file.ends_with(".cpp") && !file.ends_with(".h")) continue;
+    EXPECT_EQ(ReadWholeFile(kRoot + "/" + file).find(eigens), std::string::npos) << file;
+  }
+}
+
 TEST(Repository, IsFormattedAsItsClangFormatFileSays) {
   std::vector<std::string> words = {"clang-format", "--dry-run", "-Werror"};
   for (const std::string& file : SourceFiles(kRoot)) {

@@ -12,8 +12,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::chrono::milliseconds kPoll{10};
-constexpr std::chrono::microseconds kLook{500};
+constexpr std::chrono::milliseconds kDevicePoll{10};
+constexpr std::chrono::microseconds kDeviceLook{500};
 constexpr double kSnapshot_s = 0.05;
 constexpr std::size_t kMostNews = 100;
 
@@ -59,7 +59,7 @@ LiveStation::LiveStation(LiveStationOptions options, const WaitOrStop& wait)
         if (!error_.empty()) throw Error(error_);
         if (phase_ != "asking" && phase_ != "matching") break;
       }
-      if (wait(kPoll)) break;
+      if (wait(kDevicePoll)) break;
     }
   } catch (...) {
     Close();
@@ -117,7 +117,7 @@ void LiveStation::Run(const LiveStationOptions& options) {
             statistics.Write(*figures);
           }
         }
-        std::this_thread::sleep_for(kPoll);
+        std::this_thread::sleep_for(kDevicePoll);
       }
     } catch (...) {
       over = std::current_exception();
@@ -196,7 +196,7 @@ Felt LiveStation::Move(const Pose& X_WH, double seconds, double patience_s,
       throw Silence("no replies for " + Seconds(patience_s) +
                     ": forces are zero until they come again (the session: " + phase + ")");
     }
-    wait(kLook);
+    wait(kDeviceLook);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/math/rotation.h"
 #include "scenes/grid/solid_surface.h"
 #include "scenes/shapes/bur_shapes.h"
 #include "scenes/shapes/shapes.h"
@@ -26,7 +27,7 @@ using test::MeshOracle;
 constexpr double kEdgeRadius = 0.2e-3, kEdgeRounding = 0.05e-3, kEdgeDepth = 0.3e-3,
                  kEdgePressure = 2e6;
 /// The tool's axis, y, points up.
-const Quat kEdgeUp = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
+const Quat kEdgeUp = RotationBetween(Vec3::UnitY(), Vec3::UnitZ());
 
 Body EdgeBox(const char* name, const Vec3& size, double top) {
   TriangleMesh mesh = MakeBox(size);

@@ -309,7 +309,7 @@ TEST(SolidContact, ABursShankStopsWhereItsHeadDoesNot) {
     bur.mesh.triangles.push_back({i + first, j + first, k + first});
   }
   Felt felt(bur, Block());
-  const Quat q = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
+  const Quat q = RotationBetween(Vec3::UnitY(), Vec3::UnitZ());
   felt.Start({Vec3(-0.2e-3, 0, 20e-6), q});
   StepReport report;
   for (int n = 0; n < 1000; ++n) {
@@ -353,7 +353,7 @@ TEST(SolidContact, ABurThatWasPushedThroughABarComesOutWithItsHand) {
 TEST(SolidContact, ABurThatStandsStillCutsNothing) {
   const BurProfile profile = BallBur(0.25e-3);
   Felt felt(BurBody(profile), Block());
-  const Quat q = Quat::FromTwoVectors(Vec3::UnitY(), Vec3::UnitZ());
+  const Quat q = RotationBetween(Vec3::UnitY(), Vec3::UnitZ());
   felt.Start({Vec3(0, 0, 20e-6), q});
   felt.state->cut.spins = false;
   const MeshOracle oracle = felt.Oracle();

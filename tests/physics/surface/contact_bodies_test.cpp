@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/math/rotation.h"
 #include "scenes/shapes/shapes.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
@@ -81,7 +82,7 @@ TEST(ContactBody, GivesEachTriangleTheLeafThatLiesAtIt) {
 TEST(ContactBody, SharesItsShapeWithBodiesOfTheSameMeshOnly) {
   const Body box = MakeBody("box", MakeBox(Vec3::Constant(0.02)), 64);
   Body moved = box;
-  moved.X_WB = {Vec3(0.1, 0.0, 0.0), Quat::FromTwoVectors(Vec3::UnitX(), Vec3(1.0, 2.0, 3.0))};
+  moved.X_WB = {Vec3(0.1, 0.0, 0.0), RotationBetween(Vec3::UnitX(), Vec3(1.0, 2.0, 3.0))};
   Body other = box;
   other.mesh.vertices[0].x() += 1e-9;
   Body other_leaves = box;
