@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/error.h"
 #include "common/math/default_rounding.h"
@@ -501,22 +502,33 @@ bool IsBody(const Member& member) {
   return member.step->model->inertia() != nullptr;
 }
 
-/// Sets where a body would go alone, and the ball of each member.
-void Aim(Member& member) {
+/// Sets where an awake body would go alone, and widens its ball, as a hand's tool's, by the longest
+/// motion of a step.
+void Awake(Member& member) {
   ToolStep& step = *member.step;
-  const HapticModel& model = *step.model;
-  const StepParameters& limits = model.parameters();
+  const StepParameters& limits = step.model->parameters();
   StepState& state = *step.state;
-  if (IsBody(member) && member.is_awake) {
-    step.X_WH = FreeMotion(*model.inertia(), state.X_WG, state.body, step.period);
+  if (IsBody(member)) {
+    if (std::exchange(state.body.sleeps, false)) state.body.still = 0;
+    step.X_WH = FreeMotion(*step.model->inertia(), state.X_WG, state.body, step.period);
   }
-  member.centre = state.X_WG * model.reference();
-  member.radius = model.tool_body()->mesh.reach() + model.tool_body()->radius + limits.separation;
-  if (member.is_awake) member.radius += limits.sub_steps * limits.widest_step;
+  member.is_awake = true;
+  member.radius += limits.sub_steps * limits.widest_step;
 }
 
-/// Joins what can meet in this step into islands, and wakes the bodies there.  Hands are always in
-/// one.
+Member MemberOf(ToolStep& step) {
+  const HapticModel& model = *step.model;
+  const MovingBody& body = *model.tool_body();
+  Member member{.step = &step,
+                .is_there = step.share > 0.0,
+                .centre = step.state->X_WG * model.reference(),
+                .radius = body.mesh.reach() + body.radius + model.parameters().separation};
+  if (member.is_there && !step.state->body.sleeps) Awake(member);
+  return member;
+}
+
+/// Joins what can meet in this step into islands, and wakes all bodies there: a pair is examined
+/// only if both are solved together.  Hands are always in one island.
 void MakeIslands(Members members) {
   for (std::size_t i = 0; i < members.size(); ++i) members[i].island = i;
   const auto join = [&](std::size_t a, std::size_t b) {
@@ -530,10 +542,16 @@ void MakeIslands(Members members) {
     if (!IsBody(a) && !IsBody(b)) return true;
     return (a.centre - b.centre).norm() <= a.radius + b.radius;
   };
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    for (std::size_t j = i + 1; j < members.size(); ++j) {
-      if (members[i].island != members[j].island && meet(members[i], members[j])) {
-        join(members[i].island, members[j].island);
+  for (bool grows = true; grows;) {  // who wakes may wake others
+    grows = false;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      for (std::size_t j = i + 1; j < members.size(); ++j) {
+        Member &a = members[i], &b = members[j];
+        if (a.island == b.island || !meet(a, b)) continue;
+        if (!a.is_awake) Awake(a);
+        if (!b.is_awake) Awake(b);
+        join(a.island, b.island);
+        grows = true;
       }
     }
   }
@@ -563,10 +581,15 @@ void EndBody(Member& member, const Pose& from, bool is_held) {
   body.still = is_held && way <= limits::body::kStill * member.step->period ? body.still + 1 : 0;
 }
 
-/// Puts the bodies of an island without a hand to sleep, once all have been still for long.
+/// Puts the bodies of an island without a hand to sleep, once all have been still for long, or are
+/// lost.
 void Sleep(std::span<Member* const> island) {
   const auto may_sleep = [](const Member* member) {
-    return IsBody(*member) && member->step->state->body.still >= limits::body::kStillSteps;
+    if (!IsBody(*member)) return false;
+    const StepState& state = *member->step->state;
+    const Vec3 placed = member->step->model->reference();
+    return state.body.still >= limits::body::kStillSteps ||
+           (state.X_WG * placed - placed).norm() > limits::body::kLost;
   };
   if (!std::ranges::all_of(island, may_sleep)) return;
   for (Member* member : island) {
@@ -589,10 +612,7 @@ void StepIsland(Members members, std::size_t island, Together& together) {
     together.place[i] = static_cast<std::int32_t>(count);
     member_of[count++] = &members[i];
   }
-  if (count == 0 || std::none_of(member_of.begin(), member_of.begin() + count,
-                                 [](const Member* member) { return member->is_awake; })) {
-    return;
-  }
+  if (count == 0 || !member_of[0]->is_awake) return;  // all of an island sleep, or none
   const auto stiffness = [](const ToolStep& step) {
     const Inertia* inertia = step.model->inertia();
     if (inertia != nullptr) return inertia->body.mass / (step.period * step.period);
@@ -601,12 +621,6 @@ void StepIsland(Members members, std::size_t island, Together& together) {
   for (std::size_t i = 0; i < count; ++i) {
     ToolStep& step = *member_of[i]->step;
     const bool is_body = IsBody(*member_of[i]);
-    if (is_body && !member_of[i]->is_awake) {
-      step.state->body.sleeps = false;
-      step.state->body.still = 0;
-      step.X_WH =
-          FreeMotion(*step.model->inertia(), step.state->X_WG, step.state->body, step.period);
-    }
     from[i] = step.state->X_WG;
     std::construct_at(&step.report);
     step.report.parameters = &step.model->parameters();
@@ -640,11 +654,7 @@ void StepIsland(Members members, std::size_t island, Together& together) {
 [[gnu::noinline]] void StepAll(std::span<ToolStep> steps, Together& together) noexcept {
   std::array<Member, kMostMembers> all;
   const Members members(all.data(), steps.size());
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    members[i] = {.step = &steps[i], .is_there = steps[i].share > 0.0};
-    members[i].is_awake = members[i].is_there && !steps[i].state->body.sleeps;
-    Aim(members[i]);
-  }
+  for (std::size_t i = 0; i < steps.size(); ++i) members[i] = MemberOf(steps[i]);
   MakeIslands(members);
   PlaceMembers(members);
   for (std::size_t i = 0; i < steps.size(); ++i) StepIsland(members, i, together);

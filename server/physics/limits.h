@@ -288,6 +288,8 @@ namespace body {
 /// than gravity adds in a hundredth of one, and as long as it takes a hand to come back.
 inline constexpr double kStill = 1e-4;
 inline constexpr int kStillSteps = 200;
+/// A body that has gone as far from where it was placed [m] is lost, and sleeps: it has fallen.
+inline constexpr double kLost = 10.0;
 /// Rows of a body's contacts at most, of one QP that may have eight.
 inline constexpr int kMaxRows = 2048;
 }  // namespace body

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -301,6 +302,115 @@ TEST(FreeBodies, AreCarriedByTwoHandsThatPinchHardEnough) {
     } else {
       EXPECT_LE(world.centre(0).z(), 0.0102);
     }
+  }
+}
+
+// Against its limit a slider is a wall; before it, its spring.
+TEST(FreeBodies, StopAtTheLimitsOfTheirSlider) {
+  FreeWorld world(-1.0, Vec3::Zero());
+  world.AddTool(BlockNamed("tool", Vec3(0.01, 0.01, 0.006), Vec3(-0.02, 0.0, 0.0)));
+  world.AddBody(Vec3(0.02, 0.02, 0.012), Vec3::Zero(), 0.05,
+                {.kind = Kind::kSlider,
+                 .axis = Vec3::UnitX(),
+                 .low = -0.001,
+                 .high = 0.004,
+                 .stiffness = 100.0,
+                 .damping = 2.0});
+  world.Make();
+  for (int i = 0; i < 4000; ++i) {
+    world.hand(0).p.x() = std::min(-0.02 + 1e-5 * i, -0.008);
+    world.Step();
+    ASSERT_LE(world.state(0).joint, 0.004 + 1e-9) << i;
+    if (i == 900) {  // at rest against the spring: hand and spring in series
+      for (int k = 0; k < 500; ++k) world.Step();
+      const double given = -0.011 + 0.015;
+      EXPECT_NEAR(-world.force(0).x(), 1000.0 * 100.0 / 1100.0 * given, 2e-3);
+    }
+  }
+  EXPECT_NEAR(world.state(0).joint, 0.004, 1e-9);
+  EXPECT_NEAR(-world.force(0).x(), 1000.0 * (-0.008 + 0.015 - 0.004), 2e-3);
+  EXPECT_LE(world.X(0).p.cwiseAbs().tail<2>().maxCoeff(), 1e-9);
+  EXPECT_FALSE(world.Meet());
+}
+
+// A loose tooth: pressed where its springs are, it gives by F / k; pressed above, it tilts, too.
+TEST(FreeBodies, GiveWayAsTheSixSpringsOfALigament) {
+  FreeWorld world(-1.0, Vec3::Zero());
+  world.AddTool(BlockNamed("tool", Vec3(0.01, 0.004, 0.004), Vec3(-0.012, 0.0, 0.008)));
+  world.AddBody(Vec3(0.008, 0.008, 0.02), Vec3::Zero(), 0.002,
+                {.kind = Kind::kSprings,
+                 .point = Vec3(0.0, 0.0, -0.005),
+                 .stiffness = 5e4,
+                 .damping = 5.0,
+                 .torsional_stiffness = 2.0,
+                 .torsional_damping = 1e-3});
+  world.Make();
+  for (int i = 0; i < 3000; ++i) {
+    world.hand(0).p.x() = std::min(-0.012 + 2e-6 * i, -0.008);
+    world.Step();
+  }
+  double torque = 0.0, force = 0.0;
+  for (int k = 0; k < world.report(0).contacts; ++k) {
+    const ActiveRow& row = world.report(0).active[static_cast<std::size_t>(k)];
+    const Vec3 pushes = -row.force * row.normal;
+    force += pushes.x();
+    torque += (row.contact_W - Vec3(0.0, 0.0, -0.005)).cross(pushes).y();
+  }
+  EXPECT_GT(force, 0.5);
+  const Vec3 moved = world.X(0) * Vec3(0.0, 0.0, -0.005) - Vec3(0.0, 0.0, -0.005);
+  EXPECT_NEAR(5e4 * moved.x(), force, 2e-3 * force);
+  EXPECT_NEAR(2.0 * RotationLog(world.X(0).q).y(), torque, 5e-3 * torque);
+}
+
+// A ball joint's pendulum keeps its distance, and the momentum about the vertical.
+TEST(FreeBodies, SwingAboutABallJoint) {
+  FreeWorld world;
+  world.AddBody(Vec3(0.02, 0.01, 0.1), Vec3(0.04, 0.0, -0.06), 0.1, {.kind = Kind::kBall});
+  world.Make();
+  world.state(0).momentum = Vec3(0.0, 1e-3, 2e-3);
+  for (int i = 0; i < 3000; ++i) {
+    world.Step();
+    ASSERT_LE((world.X(0) * Vec3::Zero()).norm(), 5e-6) << i;
+    ASSERT_NEAR(world.state(0).momentum.z(), 2e-3, 2e-5) << i;
+  }
+}
+
+// Hands that wander among bodies: nothing ever meets, no force jumps out of bounds, and round a
+// closed path the hand gets nothing back.
+TEST(FreeBodies, NeverMeetWhereverAHandPushesThem) {
+  for (const unsigned seed : {1u, 3u, 23u}) {
+    FreeWorld world(seed == 3 ? 0.0 : 0.3);
+    world.AddTool(BlockNamed("tool", Vec3(0.008, 0.008, 0.03), Vec3(0.0, 0.0, 0.03)));
+    world.AddStill(BlockNamed("plate", Vec3(0.08, 0.08, 0.01), Vec3(0.0, 0.0, -0.005)));
+    world.AddStill(BlockNamed("wall", Vec3(0.01, 0.08, 0.03), Vec3(0.0405, 0.0, 0.016)));
+    world.AddBody(Vec3(0.02, 0.02, 0.01), Vec3(0.015, 0.0, 0.005002), 0.03);
+    world.AddBody(Vec3(0.01, 0.03, 0.008), Vec3(-0.02, 0.005, 0.004002), 0.005);
+    world.AddBody(Vec3(0.006, 0.006, 0.006), Vec3(0.015, 0.001, 0.013004), 0.001);
+    world.Make();
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    Vec3 from(0.0, 0.0, 0.03), to = from;
+    double work = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      if (i % 250 == 0) {
+        from = to;
+        to = i + 250 == 4000 ? Vec3(0.0, 0.0, 0.03)
+                             : Vec3(0.03 * uniform(random), 0.03 * uniform(random),
+                                    0.018 + 0.006 * uniform(random));
+      }
+      const double s = (i % 250 + 1) / 250.0;
+      const Vec3 p = from + s * s * (3.0 - 2.0 * s) * (to - from);
+      work -= world.force(0).dot(p - world.hand(0).p);
+      world.hand(0).p = p;
+      world.hand(0).q = RotationExp(Vec3(0.3 * std::sin(2e-3 * i), 0.2 * std::sin(3e-3 * i), 0.0));
+      world.Step();
+      ASSERT_TRUE(world.force(0).allFinite());
+      ASSERT_LE(world.force(0).norm(), 60.0) << i;
+      if (i % 50 == 0) {
+        ASSERT_FALSE(world.Meet()) << seed << " " << i;
+      }
+    }
+    EXPECT_GE(work, -2e-3) << seed;
   }
 }
 
