@@ -763,6 +763,11 @@ void ReadAllFree(const JsonNode& root, SceneDescription& scene) {
     if (scripted) {
       node->Fail("does not go with \"moved\": scripts count the steps; drop one of the two");
     }
+    if (!scene.hands_meet && scene.tools.size() > 1) {
+      node->Fail(
+          "goes with one tool, or with tools that touch each other; add \"hands_meet\": true to "
+          "the scene, drop the other tools, or serve seats (--seats)");
+    }
     if (hands + scene.moved.size() + 1 > kMostMembers) {
       node->Fail("is that of one body more than can move together with the hands, " +
                  std::to_string(kMostMembers - hands) + "; let others stand still");
