@@ -161,6 +161,8 @@ void Check(const Arguments& arguments) {
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const Body& body : *bodies) verdict.Add(CheckBody(scene, body, bodies == &scene.tools));
   }
+  verdict.Add(JudgeRest(scene));
+  std::fputs(MovedLines(scene).c_str(), stdout);
   Conclude(arguments.scene, verdict);
 }
 

@@ -157,6 +157,7 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
 
 Verdict JudgeScene(const Scene& scene) {
   Verdict verdict = JudgeEffects(scene);
+  verdict.Add(JudgeRest(scene));
   for (const auto* bodies : {&scene.tools, &scene.objects}) {
     for (const Body& body : *bodies) {
       const bool is_tool = bodies == &scene.tools;

@@ -48,6 +48,9 @@ BodyFindings JudgeBody(const Scene& scene, const Body& body, bool is_tool, Measu
 /// crashes, fails, takes long, gives the same bits twice, and is as passive as it says.
 Verdict JudgeEffects(const Scene& scene);
 
+/// Finds free bodies that overlap other objects where they are placed, by points of their surfaces.
+Verdict JudgeRest(const Scene& scene);
+
 /// Judges all bodies and effects: what palpate-scene says of a scene, and what palpate-server says
 /// before it serves it.
 Verdict JudgeScene(const Scene& scene);

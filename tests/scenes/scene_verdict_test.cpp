@@ -1,5 +1,6 @@
 #include "scenes/scene_verdict.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scenes/tree/sphere_tree_builder.h"
@@ -81,6 +82,25 @@ TEST(SceneVerdict, IsAsPeopleHaveApproved) {
   small.features.contact = ContactModel::kSpheres;
   say("a small body of spheres", JudgeScene(small));
   test::ExpectApproved("tests/scenes/scene_verdict.txt", said);
+}
+
+TEST(JudgeRest, NamesFreeBodiesThatOverlapWhereTheyArePlaced) {
+  Scene scene;
+  const auto box = [](const char* name, double x) {
+    Body body{name, MakeBox(Vec3::Constant(0.01)), {}, {}};
+    body.X_WB.p.x() = x;
+    return body;
+  };
+  scene.objects = {box("table", 0.0), box("shelf", 0.004), box("block", 0.0098)};
+  EXPECT_TRUE(JudgeRest(scene).faults.empty()) << "what stands still may overlap";
+  scene.moved.push_back({.name = "block", .free = FreeBody{}});
+  scene.objects[2].moved = 1;
+  const std::vector<std::string> faults = JudgeRest(scene).faults;
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_THAT(faults[0], testing::HasSubstr("block and table: overlap by 0.2 mm"));
+  EXPECT_THAT(faults[1], testing::HasSubstr("block and shelf: overlap by 4.2 mm"));
+  scene.objects[2].X_WB.p.x() = 0.014001;
+  EXPECT_TRUE(JudgeRest(scene).faults.empty());
 }
 
 }  // namespace
