@@ -71,8 +71,8 @@ const std::vector<Rule> kRules = {
      {"Eigen", "assimp"}},
     // A pure function of tree, state and pose: no transport, no log, no files.
     {"server/physics",
-     {"common", "server/physics", "scenes/scene.h", "scenes/moved_group.h", "scenes/sphere_tree.h",
-      "scenes/sphere_packet.h", "scenes/grid", "scenes/effects"},
+     {"common", "server/physics", "scenes/scene.h", "scenes/moved_group.h", "scenes/free_body.h",
+      "scenes/sphere_tree.h", "scenes/sphere_packet.h", "scenes/grid", "scenes/effects"},
      {"common/dds"},
      {"Eigen"}},
     // Of scenes only scene.h: a session's model is made from a scene's trees and coupling, and from
@@ -197,8 +197,8 @@ const std::vector<Floors> kFloors = {
     {"scenes",
      {
          {"scenes/effects"},
-         {"scenes/scene", "scenes/moved_group", "scenes/sphere_tree", "scenes/sphere_packet",
-          "scenes/progress"},
+         {"scenes/scene", "scenes/moved_group", "scenes/free_body", "scenes/sphere_tree",
+          "scenes/sphere_packet", "scenes/progress"},
          {"scenes/mesh"},
          {"scenes/grid", "scenes/importer", "scenes/shapes"},
          {"scenes/tree"},

@@ -144,7 +144,8 @@ std::vector<ContactBody> MakeBodies(std::span<const PlacedTree> objects) {
         distinct, [&](const PlacedTree* other) { return AreAlike(object, *other); });
     shape_of.push_back(static_cast<std::size_t>(alike - distinct.begin()));
     if (alike == distinct.end()) distinct.push_back(&object);
-    bodies.push_back({nullptr, PlacementOf(object.X_WB), first_leaf, object.frame, object.tool, object.is_body});
+    bodies.push_back(
+        {nullptr, PlacementOf(object.X_WB), first_leaf, object.frame, object.tool, object.is_body});
   }
   const auto shapes = MakeShapes(distinct);
   for (std::size_t body = 0; body < bodies.size(); ++body) {
