@@ -291,8 +291,6 @@ TEST(EnergySolver, MovesNothingBelowTheThresholdAndYieldsViscouslyAboveIt) {
   }
 }
 
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-
 /// 1/2 (x - rest) . A (x - rest) with a full matrix: what inertia or condensed tissue would be.
 struct DenseEnergy final : Energy {
   Mat6 A;
