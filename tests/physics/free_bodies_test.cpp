@@ -333,6 +333,22 @@ TEST(FreeBodies, StopAtTheLimitsOfTheirSlider) {
   EXPECT_FALSE(world.Meet());
 }
 
+// Thrown at its limit, which it reaches after several sub-steps of one step.
+TEST(FreeBodies, StopAtALimitHoweverFast) {
+  for (const Kind kind : {Kind::kSlider, Kind::kHinge}) {
+    FreeWorld world(-1.0, Vec3::Zero());
+    world.AddBody(Vec3(0.02, 0.02, 0.1), Vec3(0.0, 0.0, -0.05), 0.05,
+                  {.kind = kind, .axis = Vec3::UnitX(), .low = -0.05, .high = 0.0301});
+    world.Make();
+    world.state(0).rate = kind == Kind::kSlider ? 4.0 : 40.0;
+    for (int i = 0; i < 60; ++i) {
+      world.Step();
+      ASSERT_LE(world.state(0).joint, 0.0301 + 1e-7) << i;
+    }
+    EXPECT_NEAR(world.state(0).joint, 0.0301, 1e-7);
+  }
+}
+
 // A loose tooth: pressed where its springs are, it gives by F / k; pressed above, it tilts, too.
 TEST(FreeBodies, GiveWayAsTheSixSpringsOfALigament) {
   FreeWorld world(-1.0, Vec3::Zero());

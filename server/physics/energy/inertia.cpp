@@ -46,6 +46,13 @@ Quat TwistOf(const Quat& q, const Vec3& axis) {
   return twist.squaredNorm() > 0.0 ? twist.normalized() : Quat::Identity();
 }
 
+/// Returns where a hinge or a slider is at X: a hinge past whole turns as it was at the last step.
+double JointAt(const BodyJoint& joint, const Pose& X, const BodyState& last) {
+  if (joint.kind == Kind::kSlider) return joint.axis.dot(X.p);
+  const double angle = joint.axis.dot(RotationLog(TwistOf(X.q, joint.axis)));
+  return angle + 2.0 * M_PI * std::round((last.joint - angle) / (2.0 * M_PI));
+}
+
 /// A body in a step from X.
 struct At {
   At(const Inertia& of, const Pose& X, const BodyState& state, double step)
@@ -173,7 +180,7 @@ BodyMetric MetricAt(const Inertia& inertia, const Pose& X, const BodyState& stat
       const double end = sign > 0.0 ? at.joint.low : at.joint.high;
       if (!std::isfinite(end)) continue;
       metric.limit[metric.limits] = sign * reading;
-      metric.bound[metric.limits++] = sign * (end - state.joint);
+      metric.bound[metric.limits++] = sign * (end - JointAt(at.joint, X, state));
     }
   };
   const auto lead_back = [&](const Pose& to) {

@@ -194,13 +194,16 @@ class FrictionalContacts {
     const auto block = [&](std::size_t i, const Mat3& axes, const Mat3& turns) {
       const StepContext& of_block = *tools_[i];
       auto J = contact.J.template middleCols<6>(6 * static_cast<int>(i));
-      J.template leftCols<3>() = axes;
-      J.template rightCols<3>() = turns.transpose() / of_block.model.rotation_length();
-      if (of_block.metric) {
-        contact.still += J * of_block.metric->c;
-        J = (J * of_block.metric->B).eval();
+      const double rho = of_block.model.rotation_length(), scale = of_block.Scale();
+      if (!of_block.metric) {
+        J.template leftCols<3>() = axes / scale;
+        J.template rightCols<3>() = turns.transpose() / (rho * scale);
+        return;
       }
-      J /= of_block.Scale();
+      J.template leftCols<3>() = axes;
+      J.template rightCols<3>() = turns.transpose() / rho;
+      contact.still += J * of_block.metric->c;
+      J = (J * of_block.metric->B / scale).eval();
     };
     block(of.tool, contact.axes, turn_about(contact.lever, rows.lever_cross_normal(row)));
     contact.other = rows.with_others() ? rows.other(row).tool : -1;
@@ -511,7 +514,7 @@ bool Solve(Party tools) {
     // The push of soft contacts is taken as it is without friction.
     const Vec3 v = tool.sub_step.target.v + optimum.push;
     const Vec3 phi = tool.sub_step.target.phi + optimum.push_torque / (rho * rho);
-    t.template segment<6>(6 * static_cast<int>(i)) = tool.ToUnknowns(tool.Stacked(v, phi));
+    t.template segment<6>(6 * static_cast<int>(i)) = tool.ToUnknowns(v, phi);
   }
   FrictionalContacts<N> contacts(tools, t);
   bool solved = false, added = true;

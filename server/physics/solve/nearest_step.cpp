@@ -47,10 +47,9 @@ QpRowsOf<N> PutTogether(Party tools, int* first) {
   const auto clear = [&](int row) {
     for (std::size_t c = 0; c < N; ++c) columns[c][row] = 0.0;
   };
-  const auto put = [&](std::size_t i, const Vec6& a, int row) {
-    const Vec6 of_unknowns = tools[i]->RowOfUnknowns(a);
+  const auto put = [&](std::size_t i, const Vec6& of_unknowns, double offset, int row) {
     for (std::size_t c = 0; c < 6; ++c) columns[6 * i + c][row] = of_unknowns[Eigen::Index(c)];
-    columns[N][row] -= tools[i]->OffsetOf(a);
+    columns[N][row] -= offset;
   };
   int at = 0;
   for (std::size_t i = 0; i < tools.size(); ++i) {
@@ -62,12 +61,12 @@ QpRowsOf<N> PutTogether(Party tools, int* first) {
       columns[N][at] = own.b[r];
       Vec6 a;
       for (Eigen::Index c = 0; c < 6; ++c) a[c] = own.a[c][r];
-      put(i, a, at);
+      put(i, tools[i]->RowOfUnknowns(a), tools[i]->OffsetOf(a), at);
       const ContactRows::Other* other = OtherOf(rows, r);
       if (other == nullptr) continue;
       const auto j = static_cast<std::size_t>(other->tool);
       a << other->v, other->phi / tools[j]->model.rotation_length();
-      put(j, a, at);
+      put(j, tools[j]->RowOfUnknowns(other->v, other->phi), tools[j]->OffsetOf(a), at);
     }
   }
   first[tools.size()] = at;
@@ -75,7 +74,8 @@ QpRowsOf<N> PutTogether(Party tools, int* first) {
     for (int k = 0; tools[i]->metric && k < tools[i]->metric->limits; ++k, ++at) {
       clear(at);
       columns[N][at] = tools[i]->metric->bound[k];
-      put(i, tools[i]->metric->limit[k], at);
+      const Vec6& a = tools[i]->metric->limit[k];
+      put(i, tools[i]->RowOfUnknowns(a), tools[i]->OffsetOf(a), at);
     }
   }
   Lead(tools).together->rows = at;
@@ -106,8 +106,15 @@ void SolveTogether(Party tools, const double* t, std::span<const ToolRow> guess,
     of_tool.status = qp.status;
   }
   for (int k = 0; k < qp.active; ++k) {
-    if (qp.row[k] >= first[tools.size()]) continue;  // the limit of a joint
     std::size_t i = 0;
+    if (int limit = qp.row[k] - first[tools.size()]; limit >= 0) {
+      while (!tools[i]->metric || limit >= tools[i]->metric->limits) {
+        limit -= tools[i]->metric ? tools[i]->metric->limits : 0;
+        ++i;
+      }
+      tools[i]->nearest.is_touched = true;  // by its joint's limit
+      continue;
+    }
     while (qp.row[k] >= first[i + 1]) ++i;
     const int row = qp.row[k] - first[i];
     if (const auto* other = OtherOf(tools[i]->buffers().rows, row); other != nullptr) {
@@ -161,7 +168,7 @@ void NearestSteps(Party tools, bool with_energies) noexcept {
   std::size_t guesses = 0;
   for (std::size_t i = 0; i < tools.size(); ++i) {
     const StepContext& tool = *tools[i];
-    Vec6::Map(t + 6 * i) = tool.ToUnknowns(tool.Stacked(tool.goal.v, tool.goal.phi));
+    Vec6::Map(t + 6 * i) = tool.ToUnknowns(tool.goal.v, tool.goal.phi);
     int found[kMaxActiveRows];
     const int count = tool.buffers().rows.Find(tool.sub_step.active, found);
     for (int k = 0; k < count; ++k) guess[guesses++] = {i, found[k]};

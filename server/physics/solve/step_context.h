@@ -35,7 +35,7 @@ struct Optimum {
   FrictionForces friction;  ///< if so: for each active row of the QP
   bool rounds = false;      ///< whether it includes the curvature of a ball's rows
   bool is_pushed = false;   ///< whether energies push
-  bool is_touched = false;  ///< whether rows of other tools, which name this one, are active
+  bool is_touched = false;  ///< whether rows of others, which name this, or its joint's limits act
   Vec3 push = Vec3::Zero(), push_torque = Vec3::Zero();  ///< their force and torque [m], [m^2]
 
   /// Returns whether anything holds the tool.
@@ -247,6 +247,12 @@ struct StepContext {
 
   // The unknowns y of a party: a tool's are sqrt(w) x, x = [v; rho phi]; a body's sqrt(w) A (x -
   // c).
+  Vec6 ToUnknowns(const Vec3& v, const Vec3& phi) const {
+    if (metric) return ToUnknowns(Stacked(v, phi));
+    Vec6 y;
+    y << Scale() * v, Scale() * model.rotation_length() * phi;
+    return y;
+  }
   Vec6 ToUnknowns(const Vec6& x) const {
     return Scale() * (metric ? Vec6(metric->A * (x - metric->c)) : x);
   }
@@ -257,6 +263,16 @@ struct StepContext {
   /// Returns a row of x as one of y, and what must be taken from its b.
   Vec6 RowOfUnknowns(const Vec6& a) const {
     return (metric ? Vec6(metric->B.transpose() * a) : a) / Scale();
+  }
+  Vec6 RowOfUnknowns(const Vec3& v, const Vec3& by_rotation) const {
+    const double rho = model.rotation_length();
+    Vec6 a;
+    if (metric) {
+      a << v, by_rotation / rho;
+      return RowOfUnknowns(a);
+    }
+    a << v / Scale(), by_rotation / (rho * Scale());
+    return a;
   }
   double OffsetOf(const Vec6& a) const { return metric ? a.dot(metric->c) : 0.0; }
 
